@@ -1,0 +1,1 @@
+"""Simulate, control, identify and diagnose a piezo microgripper."""

@@ -1,0 +1,1 @@
+"""Parameters, signals, recordings and errors: what every other room stands on."""

@@ -1,0 +1,65 @@
+"""A recording: voltage and displacement of a rig on one uniform clock, checked at birth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.signals import Array
+
+SHORTEST = 10  # samples
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Samples k = 0 .. n-1 at `start` + k `sample_period`.
+
+    `voltage[k]` (V) is applied from that instant on, `displacement[k]` (m) is read at it;
+    `displacement` and `setpoint` (m) are None where they were not recorded. `warnings` says what
+    was mended on reading. Raises MicrogripperError naming the recording on bad samples.
+    """
+
+    name: str
+    sample_period: float  # s
+    voltage: Array
+    displacement: Array | None = None
+    setpoint: Array | None = None
+    start: float = 0.0  # s
+    warnings: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.sample_period) and self.sample_period > 0.0):
+            raise MicrogripperError(f"{self.name}: sample period {self.sample_period} s")
+        if len(self.voltage) < SHORTEST:
+            raise MicrogripperError(
+                f"{self.name}: {len(self.voltage)} samples; at least {SHORTEST} are needed"
+            )
+        for label in ("voltage", "displacement", "setpoint"):
+            samples = getattr(self, label)
+            if samples is None:
+                continue
+            if samples.shape != self.voltage.shape:
+                raise MicrogripperError(f"{self.name}: {label} has {len(samples)} samples, not "
+                                        f"{len(self.voltage)} as voltage")
+            bad = np.flatnonzero(~np.isfinite(samples)) if label != "setpoint" else ()
+            if len(bad):
+                raise MicrogripperError(
+                    f"{self.name}: {label} is {samples[bad[0]]} at sample {bad[0]} "
+                    f"({len(bad)} such); remove or interpolate it"
+                )
+            samples.setflags(write=False)
+
+    def __len__(self) -> int:
+        return len(self.voltage)
+
+    @property
+    def time(self) -> Array:
+        """Sampling instants, s, shape (n,)."""
+        return self.start + self.sample_period * np.arange(len(self))
+
+    @property
+    def duration(self) -> float:
+        """From the first sample to the last, s."""
+        return self.sample_period * (len(self) - 1)

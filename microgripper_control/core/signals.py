@@ -1,0 +1,53 @@
+"""What travels along the chain: the rows of the bus and how a signal runs inside a step.
+
+Every link reads and writes one array, the bus, of shape (rows, steps). Column j belongs to internal
+step j and holds each signal's value at the *end* of that step. How the signal got there since the
+step before is its course:
+
+- stepped: it jumped at the start of the step and was held (a DAC's zero-order hold);
+- ramped: it ran straight from the last value to this one (any continuous signal).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+VOLTAGE = 0  # V, at the piezo stack
+HYSTERESIS = 1  # m, the Bouc-Wen variable h
+FREE = 2  # m, what the stack would move without the flexure: d u - h
+POSITION = 3  # m, displacement of the finger, then the sensor's reading of it
+ROWS = 4
+
+
+@dataclass(frozen=True)
+class Timing:
+    """The internal time grid: how one sample period is divided, and the course of the signal.
+
+    `steps` are the durations of the internal steps of one sample period, s, and sum to it. They
+    need not be equal: a delay of a fraction of a sample puts a boundary exactly there.
+    """
+
+    sample_period: float
+    steps: tuple[float, ...]
+    ramped: bool
+
+    @classmethod
+    def divide(cls, sample_period: float, breaks: set[float], ramped: bool) -> Timing:
+        """Divide a sample period at `breaks`, fractions of it in [0, 1)."""
+        edges = sorted({0.0, *breaks}) + [1.0]
+        steps = tuple(float(d) * sample_period for d in np.diff(edges))
+        return cls(sample_period, steps, ramped)
+
+    @property
+    def ends(self) -> Array:
+        """Where in the sample period each step ends, s, shape (steps,)."""
+        return np.cumsum(self.steps)
+
+    def with_course(self, ramped: bool) -> Timing:
+        """The same grid for a signal of the given course."""
+        return replace(self, ramped=ramped)

@@ -1,0 +1,1 @@
+"""The links of the signal chain, one a file, in the folder of their stage."""

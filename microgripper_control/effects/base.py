@@ -1,0 +1,105 @@
+"""The contract of a link of the signal chain.
+
+A link is one file with the equation, the parameters, the source and a compiled step. The same link
+is run live by the plant simulator, fitted by identification, tried by diagnosis and inverted by the
+controller. A module in one of the stage folders that defines `LINK` is found by the registry; no
+other file has to change.
+"""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from microgripper_control.core.parameters import Parameter
+from microgripper_control.core.signals import Array, Timing
+
+Values = Mapping[str, float]
+
+
+class Stage(enum.Enum):
+    """Places in the chain, in the order in which the signal passes them."""
+
+    DRIVE = "drive"
+    MATERIAL = "material"
+    MECHANICS = "mechanics"
+    TRANSMISSION = "transmission"
+    SENSOR = "sensor"
+
+    @property
+    def position(self) -> int:
+        """0 for the first stage."""
+        return list(Stage).index(self)
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A link made ready for one time grid.
+
+    `coefficients` has one row per internal step of a sample period (one row in all for a sampled
+    link); `state` is what the kernel carries from call to call; `ramped` is the course of the
+    signal that leaves.
+    """
+
+    coefficients: Array
+    state: Array
+    ramped: bool
+
+
+# prepare(values, timing, levels): `levels` holds, for each row of the bus, the level at which the
+# plant rests when the run begins; the link reads its input's and writes its output's.
+Prepare = Callable[[Values, Timing, Array], Prepared]
+
+# kernel(coefficients, state, bus): works through the columns of the bus in place. Column j uses row
+# j % len(coefficients); a call always holds whole sample periods.
+Kernel = Callable[[Array, Array, Array], None]
+
+
+def no_breaks(values: Values, sample_period: float) -> set[float]:
+    """A link that is exact on whole sample periods needs no division of them."""
+    return set()
+
+
+@dataclass(frozen=True)
+class Link:
+    """One member of the chain; see the module for what its parts must do."""
+
+    name: str
+    stage: Stage
+    order: int  # among the links of one stage
+    title: str
+    source: str
+    parameters: tuple[Parameter, ...]
+    prepare: Prepare
+    kernel: Kernel
+    breaks: Callable[[Values, float], set[float]] = no_breaks
+    nominal: bool = False  # part of the paper's plant, always there
+    sampled: bool = False  # acts on the samples, not on the signal between them
+    random: bool = False  # not repeatable: left out of predictions
+
+    def __post_init__(self) -> None:
+        if not self.parameters or not self.title or not self.source:
+            raise ValueError(f"link {self.name}: parameters, title and source are required")
+        if not self.nominal and all(p.vanishing is None for p in self.parameters):
+            raise ValueError(f"link {self.name}: no parameter says where the effect vanishes")
+
+    @property
+    def place(self) -> tuple[int, int]:
+        """Sort key: where along the chain the link stands."""
+        return self.stage.position, self.order
+
+    def parameter(self, name: str) -> Parameter:
+        """The declared parameter of that name; KeyError if there is none."""
+        for parameter in self.parameters:
+            if parameter.name == name:
+                return parameter
+        raise KeyError(name)
+
+    def is_off(self, values: Values) -> bool:
+        """Whether every parameter that can make the effect vanish does so."""
+        if self.nominal:
+            return False
+        return all(
+            values[p.name] == p.vanishing for p in self.parameters if p.vanishing is not None
+        )

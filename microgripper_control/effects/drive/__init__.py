@@ -1,0 +1,1 @@
+"""The command voltage on its way to the stack."""

@@ -1,0 +1,79 @@
+"""Pure delay, fractions of a sample included.
+
+    u(t) -> u(t - delay)
+
+It stands before every other link because a delay commutes with all that do not depend on time.
+Under a zero-order hold the delayed step falls inside a sample period; the link asks for an internal
+boundary exactly there, so nothing is interpolated. A ramped signal is a chain of straight lines and
+is read off between its corners.
+"""
+
+import math
+
+import numpy as np
+
+from microgripper_control.core.compiled import compiled
+from microgripper_control.core.parameters import Parameter
+from microgripper_control.core.signals import VOLTAGE, Array, Timing
+from microgripper_control.effects.base import Link, Prepared, Stage, Values
+
+SAME_INSTANT = 1e-9  # of a sample period: boundaries closer than this are one
+
+
+def breaks(values: Values, sample_period: float) -> set[float]:
+    """Where in the sample period the delayed step falls."""
+    fraction = math.fmod(values["delay"] / sample_period, 1.0)
+    return {fraction} if SAME_INSTANT < fraction < 1.0 - SAME_INSTANT else set()
+
+
+@compiled
+def kernel(coefficients: Array, state: Array, bus: Array) -> None:
+    """State: where to write next, then a ring of the values at the end of past steps."""
+    steps = coefficients.shape[0]
+    size = state.shape[0] - 1
+    write = int(state[0])
+    for j in range(bus.shape[1]):
+        c = coefficients[j % steps]
+        state[1 + write] = bus[VOLTAGE, j]
+        newer = (write - int(c[0])) % size
+        older = (newer - 1) % size
+        bus[VOLTAGE, j] = c[1] * state[1 + newer] + (1.0 - c[1]) * state[1 + older]
+        write = (write + 1) % size
+    state[0] = write
+
+
+def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
+    """One row per step: how many steps back the newer of two past values lies, and its weight."""
+    period, ends = timing.sample_period, timing.ends
+    # Ends of the steps back in time, newest first, far enough for the delay.
+    back = math.ceil(values["delay"] / period) + 1
+    rows = []
+    for index, end in enumerate(ends):
+        past = np.concatenate([ends[index::-1], *(ends[::-1] - i * period for i in range(1, back + 1))])
+        wanted = end - values["delay"]
+        # The step that contains the wanted instant ends at `past[at]`, the newest that is not before.
+        at = int(np.flatnonzero(past >= wanted - SAME_INSTANT * period)[-1])
+        if timing.ramped and at + 1 < len(past):
+            span = past[at] - past[at + 1]
+            weight = min(1.0, max(0.0, (wanted - past[at + 1]) / span)) if span > 0.0 else 1.0
+        else:
+            weight = 1.0
+        rows.append((float(at), weight))
+    ring = int(max(at for at, _ in rows)) + 2
+    state = np.concatenate([[0.0], np.full(ring, levels[VOLTAGE])])
+    return Prepared(np.array(rows), state, timing.ramped)
+
+
+LINK = Link(
+    name="transport_delay",
+    stage=Stage.DRIVE,
+    order=0,
+    title="transport delay",
+    source="definition of a pure delay",
+    parameters=(
+        Parameter("delay", "s", 0.001, 0.0, 1.0, "time by which the command is late", 0.0),
+    ),
+    prepare=prepare,
+    kernel=kernel,
+    breaks=breaks,
+)

@@ -1,0 +1,1 @@
+"""From voltage to free displacement: the piezo ceramic."""

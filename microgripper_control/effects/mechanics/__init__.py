@@ -1,0 +1,1 @@
+"""From free displacement to position: masses, springs, dampers."""

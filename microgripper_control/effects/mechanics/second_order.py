@@ -1,0 +1,92 @@
+"""Mass, damper and stiffness with the flexure in parallel, the paper's equation (4).
+
+    m x'' + b x' + k x = k w - k_s x,        w = d u - h
+
+Linear, so each internal step is taken exactly: the matrix exponential of the system augmented by
+its input, which is held over the step or runs straight through it (Van Loan 1978).
+"""
+
+from functools import lru_cache
+
+import numpy as np
+from scipy.linalg import expm
+
+from microgripper_control.core.compiled import compiled
+from microgripper_control.core.parameters import Parameter
+from microgripper_control.core.signals import FREE, POSITION, Array, Timing
+from microgripper_control.effects.base import Link, Prepared, Stage, Values
+
+
+@lru_cache(maxsize=256)
+def _transition(m: float, b: float, k: float, k_s: float, step: float, ramped: bool) -> Array:
+    """Exact step of (x, v): row [a11 a12 a21 a22, x and v from the old w, from the new w]."""
+    if step == 0.0:
+        return np.array([1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0])
+    # Time in units of the natural period keeps the exponential well scaled at any rate.
+    omega = np.sqrt((k + k_s) / m)
+    damping = b / (m * omega)
+    gain = k / (k + k_s)
+    span = omega * step
+    system = np.zeros((4, 4))  # x, v / omega, w, slope of w per step
+    system[0, 1] = span
+    system[1, :3] = -span, -damping * span, gain * span
+    system[2, 3] = 1.0
+    e = expm(system)
+    x_slope, v_slope = (e[0, 3], e[1, 3]) if ramped else (e[0, 2], e[1, 2])
+    x_level, v_level = (e[0, 2] - x_slope, e[1, 2] - v_slope)
+    return np.array(
+        [
+            *(e[0, 0], e[0, 1] / omega, e[1, 0] * omega, e[1, 1]),
+            *(x_level, v_level * omega, x_slope, v_slope * omega),
+        ]
+    )
+
+
+@compiled
+def kernel(coefficients: Array, state: Array, bus: Array) -> None:
+    x, v, w = state[0], state[1], state[2]
+    steps = coefficients.shape[0]
+    row = 0
+    for j in range(bus.shape[1]):
+        c = coefficients[row]
+        new = bus[FREE, j]
+        x, v = (
+            c[0] * x + c[1] * v + c[4] * w + c[6] * new,
+            c[2] * x + c[3] * v + c[5] * w + c[7] * new,
+        )
+        w = new
+        bus[POSITION, j] = x
+        row = row + 1 if row + 1 < steps else 0
+    state[0], state[1], state[2] = x, v, w
+
+
+def static_gain(values: Values) -> float:
+    """k / (k + k_s): displacement per free displacement at rest."""
+    return values["k"] / (values["k"] + values["k_s"])
+
+
+def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
+    """State: position, velocity and the free displacement so far."""
+    m, b, k, k_s = (values[name] for name in ("m", "b", "k", "k_s"))
+    rows = [_transition(m, b, k, k_s, step, timing.ramped) for step in timing.steps]
+    levels[POSITION] = static_gain(values) * levels[FREE]
+    state = np.array([levels[POSITION], 0.0, levels[FREE]])
+    return Prepared(np.array(rows), state, ramped=True)
+
+
+LINK = Link(
+    name="second_order",
+    stage=Stage.MECHANICS,
+    order=0,
+    title="mass, damper and flexure",
+    source="paper, equation (4), Table 1 and section 4",
+    nominal=True,
+    parameters=(
+        Parameter("m", "kg", 0.0038, 1e-9, 1e3, "effective mass"),
+        Parameter("b", "N*s/m", 150.0, 0.0, 1e9, "effective damping"),
+        Parameter("k", "N/m", 5e7, 1e-3, 1e12, "stiffness of the stack"),
+        Parameter("k_s", "N/m", 8.2e5, 0.0, 1e12, "stiffness of the flexure"),
+    ),
+    prepare=prepare,
+    kernel=kernel,
+)

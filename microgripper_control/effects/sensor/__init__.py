@@ -1,0 +1,1 @@
+"""From the finger's position to the number that is recorded."""

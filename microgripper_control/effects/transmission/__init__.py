@@ -1,0 +1,1 @@
+"""From the actuator to the finger."""

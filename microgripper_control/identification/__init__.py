@@ -1,0 +1,1 @@
+"""Fits the model to recordings and says how far the numbers can be trusted."""

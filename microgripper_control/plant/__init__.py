@@ -1,0 +1,1 @@
+"""The plant: the chain of links, its model file, batch and streaming simulation."""

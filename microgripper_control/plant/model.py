@@ -1,0 +1,124 @@
+"""The model of a rig: which links its chain has and the value of each of their parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+
+from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.effects.base import Link
+from microgripper_control.effects.registry import link_named, registry
+
+Key = tuple[str, str]  # link, parameter
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A parameter's value in a model; `interval` holds its 95 % bounds if it was identified."""
+
+    value: float
+    interval: tuple[float, float] | None = None
+    frozen: bool = False  # a fit leaves it alone
+
+
+@dataclass(frozen=True)
+class Model:
+    """A rig's model, checked at construction; raises MicrogripperError naming the key."""
+
+    name: str
+    voltage_range: tuple[float, float]  # V
+    settings: Mapping[str, Mapping[str, Setting]]  # link -> parameter -> setting
+    description: str = ""
+    origin: str = field(default="model", compare=False)  # what error messages call it
+
+    def __post_init__(self) -> None:
+        low, high = self.voltage_range
+        if not low < high:
+            raise MicrogripperError(f"{self.origin}: voltage: low {low:g} must be below high {high:g}")
+        for name in self.settings:
+            self._check(link_named(name, self.origin))
+        missing = [name for name, link in registry().items() if link.nominal]
+        missing = [name for name in missing if name not in self.settings]
+        if missing:
+            raise MicrogripperError(f"{self.origin}: nominal: {missing[0]} is missing")
+        ordered = sorted(self.settings, key=lambda name: registry()[name].place)
+        frozen = {name: MappingProxyType(dict(self.settings[name])) for name in ordered}
+        object.__setattr__(self, "settings", MappingProxyType(frozen))
+
+    def _check(self, link: Link) -> None:
+        given = self.settings[link.name]
+        where = f"{self.origin}: {link.name}"
+        known = [p.name for p in link.parameters]
+        for name in given:
+            if name not in known:
+                raise MicrogripperError(f"{where}: unknown key {name!r}; known are {', '.join(known)}")
+        for parameter in link.parameters:
+            if parameter.name not in given:
+                raise MicrogripperError(
+                    f"{where}: {parameter.name} is missing; allowed is {parameter.range_text}"
+                )
+            parameter.check(given[parameter.name].value, where)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        plain = {name: dict(settings) for name, settings in self.settings.items()}
+        return Model, (self.name, self.voltage_range, plain, self.description, self.origin)
+
+    @property
+    def links(self) -> list[Link]:
+        """The links that are at work, in the order of the chain; those that are off are absent."""
+        present = (registry()[name] for name in self.settings)
+        return [link for link in present if not link.is_off(self.values(link.name))]
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """Names of the links beyond the paper's plant."""
+        return tuple(name for name in self.settings if not registry()[name].nominal)
+
+    def values(self, link: str) -> dict[str, float]:
+        """The plain numbers of one link."""
+        return {name: setting.value for name, setting in self.settings[link].items()}
+
+    def value(self, link: str, parameter: str) -> float:
+        """One number."""
+        return self.settings[link][parameter].value
+
+    def with_settings(self, changes: Mapping[Key, Setting]) -> Model:
+        """A copy with some settings replaced; the links must be present."""
+        settings = {name: dict(old) for name, old in self.settings.items()}
+        for (link, parameter), setting in changes.items():
+            settings[link][parameter] = setting
+        return replace(self, settings=settings)
+
+    def with_values(self, changes: Mapping[Key, float]) -> Model:
+        """A copy with some values replaced; intervals of the old values are dropped."""
+        return self.with_settings(
+            {
+                (link, name): replace(self.settings[link][name], value=value, interval=None)
+                for (link, name), value in changes.items()
+            }
+        )
+
+    def with_link(self, name: str, **values: float) -> Model:
+        """A copy with a link added (or replaced); parameters not given are nominal."""
+        link = link_named(name, self.origin)
+        chosen = {p.name: Setting(values.pop(p.name, p.nominal)) for p in link.parameters}
+        if values:
+            raise MicrogripperError(f"{self.origin}: {name}: unknown key {next(iter(values))!r}")
+        return replace(self, settings={**self.settings, name: chosen})
+
+    def without(self, names: Iterable[str]) -> Model:
+        """A copy without some links."""
+        dropped = set(names)
+        kept = {name: old for name, old in self.settings.items() if name not in dropped}
+        return replace(self, settings=kept)
+
+
+def nominal_model(name: str = "APA120S (paper, Table 1)") -> Model:
+    """The paper's actuator: every nominal link at its declared nominal values, 0 to 160 V."""
+    settings = {
+        link.name: {p.name: Setting(p.nominal) for p in link.parameters}
+        for link in registry().values()
+        if link.nominal
+    }
+    return Model(name, (0.0, 160.0), settings)

@@ -1,0 +1,1 @@
+"""Recordings in rosbag2 and CSV."""
