@@ -28,8 +28,8 @@ def cache_folder() -> Path:
         for source in sorted((PACKAGE / room).rglob("*.py")):
             digest.update(str(source.relative_to(PACKAGE)).encode())
             digest.update(source.read_bytes())
-    home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-    return Path(home) / "microgripper_control" / digest.hexdigest()[:16]
+    home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    return home / "microgripper_control" / digest.hexdigest()[:16]
 
 
 numba.config.CACHE_DIR = str(cache_folder())

@@ -13,7 +13,9 @@ class Parameter:
     """One parameter of a link, declared beside the equation that uses it.
 
     `low` and `high` bound the values a file may hold and a fit may visit. `vanishing` is the value
-    at which the effect of the link is gone; it is None for a parameter that merely shapes it.
+    at which the effect of the link is gone; it is None for a parameter that merely shapes it. One
+    that is not `fitted` is chosen, never estimated by least squares: an exponent, a seed, a
+    resolution.
     """
 
     name: str
@@ -23,6 +25,7 @@ class Parameter:
     high: float
     description: str
     vanishing: float | None = None
+    fitted: bool = True
 
     def __post_init__(self) -> None:
         if not self.low <= self.nominal <= self.high:

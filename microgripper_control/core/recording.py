@@ -41,10 +41,12 @@ class Recording:
             if samples is None:
                 continue
             if samples.shape != self.voltage.shape:
-                raise MicrogripperError(f"{self.name}: {label} has {len(samples)} samples, not "
-                                        f"{len(self.voltage)} as voltage")
-            bad = np.flatnonzero(~np.isfinite(samples)) if label != "setpoint" else ()
-            if len(bad):
+                raise MicrogripperError(
+                    f"{self.name}: {label} has {len(samples)} samples, not "
+                    f"{len(self.voltage)} as voltage"
+                )
+            bad = np.flatnonzero(~np.isfinite(samples))
+            if len(bad) and label != "setpoint":
                 raise MicrogripperError(
                     f"{self.name}: {label} is {samples[bad[0]]} at sample {bad[0]} "
                     f"({len(bad)} such); remove or interpolate it"
@@ -57,7 +59,7 @@ class Recording:
     @property
     def time(self) -> Array:
         """Sampling instants, s, shape (n,)."""
-        return self.start + self.sample_period * np.arange(len(self))
+        return self.start + self.sample_period * np.arange(len(self), dtype=np.float64)
 
     @property
     def duration(self) -> float:

@@ -39,7 +39,7 @@ class Timing:
     @classmethod
     def divide(cls, sample_period: float, breaks: set[float], ramped: bool) -> Timing:
         """Divide a sample period at `breaks`, fractions of it in [0, 1)."""
-        edges = sorted({0.0, *breaks}) + [1.0]
+        edges = [*sorted({0.0, *breaks}), 1.0]
         steps = tuple(float(d) * sample_period for d in np.diff(edges))
         return cls(sample_period, steps, ramped)
 

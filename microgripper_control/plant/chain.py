@@ -62,7 +62,8 @@ class Chain:
         bus[POSITION] = positions
         for kernel, coefficients, state in self._sampled:
             kernel(coefficients, state, bus)
-        return bus[POSITION]
+        sensed: Array = bus[POSITION]
+        return sensed
 
     def sense_in_place(self, bus: Array) -> None:
         """As `sense`, on the position row of a bus of samples."""

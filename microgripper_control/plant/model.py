@@ -35,7 +35,9 @@ class Model:
     def __post_init__(self) -> None:
         low, high = self.voltage_range
         if not low < high:
-            raise MicrogripperError(f"{self.origin}: voltage: low {low:g} must be below high {high:g}")
+            raise MicrogripperError(
+                f"{self.origin}: voltage: low {low:g} must be below high {high:g}"
+            )
         for name in self.settings:
             self._check(link_named(name, self.origin))
         missing = [name for name, link in registry().items() if link.nominal]
@@ -52,7 +54,9 @@ class Model:
         known = [p.name for p in link.parameters]
         for name in given:
             if name not in known:
-                raise MicrogripperError(f"{where}: unknown key {name!r}; known are {', '.join(known)}")
+                raise MicrogripperError(
+                    f"{where}: unknown key {name!r}; known are {', '.join(known)}"
+                )
         for parameter in link.parameters:
             if parameter.name not in given:
                 raise MicrogripperError(

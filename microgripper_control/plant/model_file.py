@@ -1,15 +1,15 @@
 """Models as YAML files, every number with its unit.
 
-    schema: microgripper-model/1
-    name: APA120S
-    voltage: {low: 0.0, high: 160.0, unit: V}
-    nominal:
-      bouc_wen:
-        d: {value: 1.4447e-07, unit: m/V}
-        ...
-    effects:
-      transport_delay:
-        delay: {value: 0.001, unit: s}
+schema: microgripper-model/1
+name: APA120S
+voltage: {low: 0.0, high: 160.0, unit: V}
+nominal:
+  bouc_wen:
+    d: {value: 1.4447e-07, unit: m/V}
+    ...
+effects:
+  transport_delay:
+    delay: {value: 0.001, unit: s}
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Simulation of a model: a whole array at once, or sample by sample.
 
-The sampled-data convention: at tick k the plant reads x[k], latches u[k], applies it from t[k] on and
-holds it until t[k+1]. So x[k] answers to u[0..k-1].
+The sampled-data convention: at tick k the plant reads x[k], latches u[k], applies it from t[k] on
+and holds it until t[k+1]. So x[k] answers to u[0..k-1].
 """
 
 from __future__ import annotations
@@ -57,9 +57,7 @@ def simulate(
     ramped = hold is not Hold.ZERO
     levels = _initial_levels(model, voltage, ramped, initial, initial_hysteresis)
     divisions = BANDLIMITED_DIVISIONS if hold is Hold.BANDLIMITED else 1
-    chain = Chain(
-        model, sample_period, levels, ramped=ramped, divisions=divisions, random=random
-    )
+    chain = Chain(model, sample_period, levels, ramped=ramped, divisions=divisions, random=random)
     periodic = initial is Initial.PERIODIC
     driven = np.append(voltage, voltage[0]) if periodic else voltage
     bus = _bus(driven, chain.timing, hold, periodic)

@@ -49,9 +49,11 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     back = math.ceil(values["delay"] / period) + 1
     rows = []
     for index, end in enumerate(ends):
-        past = np.concatenate([ends[index::-1], *(ends[::-1] - i * period for i in range(1, back + 1))])
+        past = np.concatenate(
+            [ends[index::-1], *(ends[::-1] - i * period for i in range(1, back + 1))]
+        )
         wanted = end - values["delay"]
-        # The step that contains the wanted instant ends at `past[at]`, the newest that is not before.
+        # The step that contains the wanted instant ends at `past[at]`, the newest not before.
         at = int(np.flatnonzero(past >= wanted - SAME_INSTANT * period)[-1])
         if timing.ramped and at + 1 < len(past):
             span = past[at] - past[at + 1]

@@ -8,8 +8,8 @@ xi = |u - u0| and g = sign(du) h, both directions obey
     dg/dxi = alpha d - beta g |g|^(n-1) - gamma |g|^n,
 
 so that on each side of g = 0 the coefficient is constant: beta + gamma above, beta - gamma below.
-For n = 1 that is linear, and the step is taken in closed form, split where g changes sign. For other
-exponents it is integrated by the classical Runge-Kutta method with steps small against the
+For n = 1 that is linear, and the step is taken in closed form, split where g changes sign. For
+other exponents it is integrated by the classical Runge-Kutta method with steps small against the
 curvature, split at the same place because |g|^n is not smooth there.
 """
 
@@ -47,7 +47,7 @@ def _travel_to_zero(g: float, a: float, c: float) -> float:
 
 @compiled
 def _power_slope(g: float, a: float, beta: float, gamma: float, n: float) -> float:
-    size = abs(g) ** n
+    size: float = abs(g) ** n
     return a - gamma * size - (beta * size if g >= 0.0 else -beta * size)
 
 
@@ -146,7 +146,7 @@ LINK = Link(
         Parameter("alpha", "1", 0.0801, 0.0, 0.95, "share of the voltage that feeds h"),
         Parameter("beta", RATE_UNIT, 0.0152, -1e9, 1e9, "decay of h with travel, both ways"),
         Parameter("gamma", RATE_UNIT, -0.0227, -1e9, 1e9, "decay of h by direction"),
-        Parameter("n", "1", 1.0, 1.0, 5.0, "sharpness of the bend; 1 for a piezo"),
+        Parameter("n", "1", 1.0, 1.0, 5.0, "sharpness of the bend; 1 for a piezo", fitted=False),
     ),
     prepare=prepare,
     kernel=kernel,

@@ -84,8 +84,8 @@ LINK = Link(
     parameters=(
         Parameter("m", "kg", 0.0038, 1e-9, 1e3, "effective mass"),
         Parameter("b", "N*s/m", 150.0, 0.0, 1e9, "effective damping"),
-        Parameter("k", "N/m", 5e7, 1e-3, 1e12, "stiffness of the stack"),
-        Parameter("k_s", "N/m", 8.2e5, 0.0, 1e12, "stiffness of the flexure"),
+        Parameter("k", "N/m", 5e7, 1e-3, 1e12, "stiffness of the stack", fitted=False),
+        Parameter("k_s", "N/m", 8.2e5, 0.0, 1e12, "stiffness of the flexure", fitted=False),
     ),
     prepare=prepare,
     kernel=kernel,

@@ -56,8 +56,12 @@ LINK = Link(
     sampled=True,
     random=True,
     parameters=(
-        Parameter("std", "m", 15e-9, 0.0, 1e-2, "standard deviation of one reading", 0.0),
-        Parameter("seed", "1", 0.0, 0.0, float(LARGEST_SEED), "of the random numbers, whole"),
+        Parameter(
+            "std", "m", 15e-9, 0.0, 1e-2, "standard deviation of one reading", 0.0, fitted=False
+        ),
+        Parameter(
+            "seed", "1", 0.0, 0.0, float(LARGEST_SEED), "of the random numbers, whole", fitted=False
+        ),
     ),
     prepare=prepare,
     kernel=kernel,

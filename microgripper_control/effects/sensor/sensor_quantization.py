@@ -1,6 +1,6 @@
 """Finite resolution of the sensor or its converter.
 
-    y = resolution * round(x / resolution)
+y = resolution * round(x / resolution)
 """
 
 import numpy as np
@@ -31,7 +31,9 @@ LINK = Link(
     source="definition of a mid-tread quantiser; the paper's sensor: 1 um",
     sampled=True,
     parameters=(
-        Parameter("resolution", "m", 1e-6, 0.0, 1e-2, "smallest step the sensor shows", 0.0),
+        Parameter(
+            "resolution", "m", 1e-6, 0.0, 1e-2, "smallest step the sensor shows", 0.0, fitted=False
+        ),
     ),
     prepare=prepare,
     kernel=kernel,

@@ -1,6 +1,6 @@
 """The sensor's zero: what it reads when the finger stands at x = 0.
 
-    y = x + offset
+y = x + offset
 """
 
 import numpy as np

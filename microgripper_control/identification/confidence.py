@@ -1,0 +1,66 @@
+"""How far identified numbers can be trusted.
+
+The covariance of a least-squares estimate is s^2 (J'J)^-1 for independent residuals. Where the
+model leaves structure in the residual, neighbouring samples are not independent: the variance is
+then multiplied by the residual's integrated autocorrelation time, so that n correlated samples
+count as n / tau independent ones (Geyer 1992, initial positive sequence).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.stats import t as student
+
+from microgripper_control.core.signals import Array
+
+LEVEL = 0.95
+
+
+def autocorrelation_time(residual: Array) -> float:
+    """Integrated autocorrelation time of a residual, samples, at least 1."""
+    centred = residual - residual.mean()
+    size = 1 << (2 * len(centred) - 1).bit_length()
+    spectrum = np.abs(np.fft.rfft(centred, size)) ** 2
+    covariance = np.fft.irfft(spectrum, size)[: len(centred)]
+    if covariance[0] <= 0.0:
+        return 1.0
+    rho = covariance / covariance[0]
+    pairs = rho[1 : len(rho) // 2 * 2 - 1 : 2] + rho[2 : len(rho) // 2 * 2 : 2]
+    negative = np.flatnonzero(pairs <= 0.0)
+    end = negative[0] if len(negative) else len(pairs)
+    return float(max(1.0, 1.0 + 2.0 * np.sum(pairs[:end])))
+
+
+def covariance(jacobian: Array, residuals: Sequence[Array], offsets: int) -> Array:
+    """Covariance of the estimate, shape (p, p), in the units of the Jacobian's columns.
+
+    `residuals` holds one array per recording, `offsets` counts the parameters eliminated before.
+    Directions that the data cannot see get infinite variance.
+    """
+    count = sum(len(r) for r in residuals)
+    freedom = max(1, count - jacobian.shape[1] - offsets)
+    squares = sum(float(r @ r) * autocorrelation_time(r) for r in residuals)
+    norms = np.linalg.norm(jacobian, axis=0)
+    seen = norms > 0.0
+    result = np.full((len(norms), len(norms)), 0.0)
+    np.fill_diagonal(result, np.inf)
+    if seen.any():
+        scaled = jacobian[:, seen] / norms[seen]
+        _, sizes, directions = np.linalg.svd(scaled, full_matrices=False)
+        with np.errstate(divide="ignore"):
+            inverse = np.where(sizes > 1e-12 * sizes[0], 1.0 / sizes**2, np.inf)
+        spread = np.zeros((len(sizes), len(sizes)))
+        for variance, direction in zip(inverse, directions, strict=True):
+            part = np.outer(direction, direction)
+            spread += np.where(part == 0.0, 0.0, part * variance)
+        spread /= np.outer(norms[seen], norms[seen])
+        result[np.ix_(seen, seen)] = spread * squares / freedom
+    return result
+
+
+def interval(value: float, variance: float, freedom: int) -> tuple[float, float]:
+    """The two-sided 95 % interval around a value."""
+    half = float(student.ppf(0.5 + LEVEL / 2.0, max(1, freedom))) * float(np.sqrt(variance))
+    return value - half, value + half
