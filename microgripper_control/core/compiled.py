@@ -18,7 +18,7 @@ import numba
 Function = TypeVar("Function", bound=Callable[..., object])
 
 PACKAGE = Path(__file__).resolve().parents[1]
-ROOMS_WITH_COMPILED_CODE = ("core", "effects", "recordings")
+ROOMS_WITH_COMPILED_CODE = ("control", "core", "effects", "recordings")
 
 
 def cache_folder() -> Path:

@@ -57,6 +57,13 @@ class Recording:
         return len(self.voltage)
 
     @property
+    def measured(self) -> Array:
+        """The displacement, m; MicrogripperError if it was not recorded."""
+        if self.displacement is None:
+            raise MicrogripperError(f"{self.name}: has no displacement; record it, or map it")
+        return self.displacement
+
+    @property
     def time(self) -> Array:
         """Sampling instants, s, shape (n,)."""
         return self.start + self.sample_period * np.arange(len(self), dtype=np.float64)

@@ -12,6 +12,8 @@ import enum
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.signals import Array, Timing
 
@@ -56,6 +58,17 @@ Prepare = Callable[[Values, Timing, Array], Prepared]
 Kernel = Callable[[Array, Array, Array], None]
 
 
+# courses(values, time): shapes, (p, n) in m per unit of their weight, of what no input explains and
+# each recording has for itself: the phase of a hum, the course of a drift, creep not yet finished
+# when the recording began. `time` (n,) is s since its first sample. Weights are fitted linearly.
+Courses = Callable[[Values, Array], Array]
+
+
+def no_courses(values: Values, time: Array) -> Array:
+    """A link whose output follows from its input alone."""
+    return np.zeros((0, len(time)))
+
+
 def no_breaks(values: Values, sample_period: float) -> set[float]:
     """A link that is exact on whole sample periods needs no division of them."""
     return set()
@@ -74,6 +87,7 @@ class Link:
     prepare: Prepare
     kernel: Kernel
     breaks: Callable[[Values, float], set[float]] = no_breaks
+    courses: Courses = no_courses
     nominal: bool = False  # part of the paper's plant, always there
     sampled: bool = False  # acts on the samples, not on the signal between them
     random: bool = False  # not repeatable: left out of predictions

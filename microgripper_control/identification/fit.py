@@ -91,11 +91,9 @@ def _check(recordings: Sequence[Recording]) -> None:
     if not recordings:
         raise MicrogripperError("no recording given")
     for recording in recordings:
-        if recording.displacement is None:
-            raise MicrogripperError(f"{recording.name}: has no displacement to fit to")
-        if np.ptp(recording.voltage) == 0.0:
+        if np.ptp(recording.voltage) == 0.0 or np.ptp(recording.measured) == 0.0:
             raise MicrogripperError(
-                f"{recording.name}: the voltage never changes; nothing can be identified from it"
+                f"{recording.name}: voltage or displacement never changes; record a run that moves"
             )
 
 
@@ -249,10 +247,9 @@ def _result(problem: Problem, z: Array, undetermined: tuple[Undetermined, ...]) 
     nuisances = tuple(problem.nuisances(z))
     rmse, relative = [], []
     for recording, nuisance in zip(problem.recordings, nuisances, strict=True):
-        assert recording.displacement is not None
-        error = recording.displacement - predict(model, recording, problem.conditions, nuisance)
+        error = recording.measured - predict(model, recording, problem.conditions, nuisance)
         rmse.append(float(np.sqrt(np.mean(error**2))))
-        relative.append(rmse[-1] / float(np.ptp(recording.displacement)))
+        relative.append(rmse[-1] / float(np.ptp(recording.measured)))
     return Fit(
         model=model,
         recordings=tuple(recording.name for recording in problem.recordings),

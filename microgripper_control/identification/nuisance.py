@@ -81,8 +81,7 @@ def fit_nuisance(
 
     Deterministic: a fixed number of steps from a fixed start, so whoever repeats it gets the same.
     """
-    measured = recording.displacement
-    assert measured is not None
+    measured = recording.measured
     mask = np.ones(len(recording), bool) if used is None else used
     found = start or Nuisance()
     offset_frozen = "sensor_zero" in model.settings

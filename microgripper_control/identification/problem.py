@@ -131,8 +131,7 @@ class Problem:
         return "sensor_zero" in self.model.settings
 
     def _error(self, model: Model, recording: Recording, h: float) -> Array:
-        assert recording.displacement is not None
-        return recording.displacement - response(model, recording, self.conditions, h)
+        return recording.measured - response(model, recording, self.conditions, h)
 
     def _without_offset(self, error: Array) -> Array:
         return error if self._offset_known else error - error.mean()

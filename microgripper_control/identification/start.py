@@ -54,9 +54,7 @@ def better_start(
 def _squares(
     model: Model, recording: Recording, conditions: Conditions, nuisance: Nuisance
 ) -> float:
-    error = recording.displacement - response(
-        model, recording, conditions, nuisance.initial_hysteresis
-    )
+    error = recording.measured - response(model, recording, conditions, nuisance.initial_hysteresis)
     error = error - error.mean()
     return float(error @ error)
 
@@ -79,8 +77,7 @@ def _solve(
             probes.append(PROBE_HYSTERESIS * largest_hysteresis(hysteretic, recording))
             basis[2 + index] = response(hysteretic, recording, conditions, probes[-1]) - bent
         basis -= basis.mean(axis=1, keepdims=True)
-        assert recording.displacement is not None
-        measured = recording.displacement - recording.displacement.mean()
+        measured = recording.measured - recording.measured.mean()
         if not np.all(np.isfinite(basis)):
             return None
         normal += basis @ basis.T

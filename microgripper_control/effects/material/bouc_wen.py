@@ -46,17 +46,18 @@ def _travel_to_zero(g: float, a: float, c: float) -> float:
 
 
 @compiled
-def _power_slope(g: float, a: float, beta: float, gamma: float, n: float) -> float:
+def slope(g: float, a: float, beta: float, gamma: float, n: float) -> float:
+    """dg/dxi at g, m/V; arguments as in `advance`."""
     size: float = abs(g) ** n
     return a - gamma * size - (beta * size if g >= 0.0 else -beta * size)
 
 
 @compiled
 def _runge_kutta(g: float, a: float, beta: float, gamma: float, n: float, step: float) -> float:
-    s1 = _power_slope(g, a, beta, gamma, n)
-    s2 = _power_slope(g + 0.5 * step * s1, a, beta, gamma, n)
-    s3 = _power_slope(g + 0.5 * step * s2, a, beta, gamma, n)
-    s4 = _power_slope(g + step * s3, a, beta, gamma, n)
+    s1 = slope(g, a, beta, gamma, n)
+    s2 = slope(g + 0.5 * step * s1, a, beta, gamma, n)
+    s3 = slope(g + 0.5 * step * s2, a, beta, gamma, n)
+    s4 = slope(g + step * s3, a, beta, gamma, n)
     return g + step / 6.0 * (s1 + 2.0 * s2 + 2.0 * s3 + s4)
 
 
@@ -75,7 +76,7 @@ def _integrate_power(g: float, a: float, beta: float, gamma: float, n: float, xi
             step = min(step, -g / a)
             for _ in range(20):
                 new = _runge_kutta(g, a, beta, gamma, n, step)
-                step -= new / _power_slope(new, a, beta, gamma, n)
+                step -= new / slope(new, a, beta, gamma, n)
                 if abs(new) <= 1e-15 * reach:
                     break
             new = 0.0
