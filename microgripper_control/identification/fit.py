@@ -247,7 +247,8 @@ def _result(problem: Problem, z: Array, undetermined: tuple[Undetermined, ...]) 
     nuisances = tuple(problem.nuisances(z))
     rmse, relative = [], []
     for recording, nuisance in zip(problem.recordings, nuisances, strict=True):
-        error = recording.measured - predict(model, recording, problem.conditions, nuisance)
+        prediction = predict(model, recording, problem.conditions, nuisance)
+        error = (recording.measured - prediction)[problem.conditions.unanswered :]
         rmse.append(float(np.sqrt(np.mean(error**2))))
         relative.append(rmse[-1] / float(np.ptp(recording.measured)))
     return Fit(

@@ -35,6 +35,14 @@ class Conditions:
         """Whether h at the first sample follows from the conditions."""
         return self.initial is not Initial.FIRST_SAMPLE
 
+    @property
+    def unanswered(self) -> int:
+        """How many first samples answer to a voltage from before the recording.
+
+        Under a zero-order hold x[0] answers to u[-1], which is known only from rest or a period.
+        """
+        return int(self.hold is Hold.ZERO and self.initial is Initial.FIRST_SAMPLE)
+
 
 @dataclass(frozen=True)
 class Nuisance:
@@ -82,7 +90,8 @@ def fit_nuisance(
     Deterministic: a fixed number of steps from a fixed start, so whoever repeats it gets the same.
     """
     measured = recording.measured
-    mask = np.ones(len(recording), bool) if used is None else used
+    mask = np.ones(len(recording), bool) if used is None else used.copy()
+    mask[: conditions.unanswered] = False
     found = start or Nuisance()
     offset_frozen = "sensor_zero" in model.settings
     bound = largest_hysteresis(model, recording)

@@ -92,7 +92,7 @@ class Problem:
         for index, recording in enumerate(self.recordings):
             h = self.initial_hysteresis(z, index)
             error = self._error(model, recording, h)
-            found.append(Nuisance(0.0 if self._offset_known else float(np.mean(error)), h))
+            found.append(Nuisance(self._offset(error), h))
         return found
 
     def residuals(self, z: Array) -> Array:
@@ -126,12 +126,16 @@ class Problem:
             start = stop
         return columns
 
-    @property
-    def _offset_known(self) -> bool:
-        return "sensor_zero" in self.model.settings
+    def _offset(self, error: Array) -> float:
+        """The zero that fits best, m; 0 where the model freezes it."""
+        if "sensor_zero" in self.model.settings:
+            return 0.0
+        return float(np.mean(error[self.conditions.unanswered :]))
 
     def _error(self, model: Model, recording: Recording, h: float) -> Array:
         return recording.measured - response(model, recording, self.conditions, h)
 
     def _without_offset(self, error: Array) -> Array:
-        return error if self._offset_known else error - error.mean()
+        residual = error - self._offset(error)
+        residual[: self.conditions.unanswered] = 0.0
+        return residual

@@ -55,6 +55,7 @@ def _squares(
     model: Model, recording: Recording, conditions: Conditions, nuisance: Nuisance
 ) -> float:
     error = recording.measured - response(model, recording, conditions, nuisance.initial_hysteresis)
+    error = error[conditions.unanswered :]
     error = error - error.mean()
     return float(error @ error)
 
@@ -76,8 +77,10 @@ def _solve(
         if unknown:
             probes.append(PROBE_HYSTERESIS * largest_hysteresis(hysteretic, recording))
             basis[2 + index] = response(hysteretic, recording, conditions, probes[-1]) - bent
+        basis = basis[:, conditions.unanswered :]
         basis -= basis.mean(axis=1, keepdims=True)
-        measured = recording.measured - recording.measured.mean()
+        measured = recording.measured[conditions.unanswered :]
+        measured = measured - measured.mean()
         if not np.all(np.isfinite(basis)):
             return None
         normal += basis @ basis.T

@@ -1,0 +1,41 @@
+"""Confidence against closed forms."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from microgripper_control.identification.confidence import (
+    autocorrelation_time,
+    covariance,
+    interval,
+)
+
+
+@pytest.mark.parametrize("phi", [0.0, 0.5, 0.9])
+def test_autocorrelation_time_of_a_first_order_process(phi: float) -> None:
+    white = np.random.default_rng(11).standard_normal(200_000)
+    process = lfilter([1.0], [1.0, -phi], white)
+    assert autocorrelation_time(process) == pytest.approx((1.0 + phi) / (1.0 - phi), rel=0.1)
+
+
+def test_covariance_of_a_straight_line_is_the_textbook_one() -> None:
+    x = np.linspace(-1.0, 1.0, 1000)
+    residual = np.random.default_rng(12).choice([-0.1, 0.1], 1000)
+    variance = float(residual @ residual) / (1000 - 2) * autocorrelation_time(residual)
+    found = covariance(np.stack([np.ones_like(x), x], axis=1), [residual], offsets=0)
+    assert found[0, 0] == pytest.approx(variance / 1000, rel=1e-9)
+    assert found[1, 1] == pytest.approx(variance / float(x @ x), rel=1e-9)
+
+
+def test_confidence_is_infinite_along_what_the_data_cannot_see() -> None:
+    column = np.linspace(0.0, 1.0, 50)
+    jacobian = np.stack([column, 2.0 * column, np.zeros(50)], axis=1)
+    found = covariance(jacobian, [np.full(50, 0.1)], offsets=0)
+    assert np.all(np.isinf(np.diag(found)))
+
+
+def test_interval_is_students() -> None:
+    low, high = interval(1.0, 0.04, 10)
+    assert (low, high) == pytest.approx((1.0 - 2.228139 * 0.2, 1.0 + 2.228139 * 0.2))

@@ -1,0 +1,59 @@
+"""What belongs to a recording is found, and held-out blocks are never peeked at."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from microgripper_control.core.recording import Recording
+from microgripper_control.identification.nuisance import (
+    Conditions,
+    blocks,
+    fit_nuisance,
+    heldout_prediction,
+)
+from microgripper_control.plant.model import nominal_model
+from microgripper_control.plant.simulate import Initial, simulate
+
+VOLTAGE = 80.0 - 75.0 * np.cos(2.0 * np.pi * np.arange(3000) / 1000.0)
+
+
+def recording(h: float = 4e-7, offset: float = -1e-6) -> Recording:
+    measured = simulate(
+        nominal_model(), VOLTAGE, 1e-3, initial=Initial.FIRST_SAMPLE, initial_hysteresis=h
+    )
+    return Recording("run", 1e-3, VOLTAGE.copy(), measured + offset)
+
+
+def test_offset_and_initial_hysteresis_are_found() -> None:
+    found = fit_nuisance(nominal_model(), recording(), Conditions())
+    assert found.initial_hysteresis == pytest.approx(4e-7, rel=1e-6)
+    assert found.offset == pytest.approx(-1e-6, rel=1e-6)
+
+
+def test_a_frozen_zero_is_left_alone() -> None:
+    model = nominal_model().with_link("sensor_zero", offset=-1e-6)
+    found = fit_nuisance(model, recording(), Conditions())
+    assert found.offset == 0.0
+    assert found.initial_hysteresis == pytest.approx(4e-7, rel=1e-6)
+
+
+def test_blocks_alternate_and_share_every_sample_once() -> None:
+    odd, even = blocks(1003, odd=True), blocks(1003, odd=False)
+    assert np.all(odd ^ even)
+    assert odd[0]
+    assert even[-1]
+    assert np.count_nonzero(np.diff(odd)) == 9
+
+
+def test_heldout_blocks_do_not_influence_their_prediction() -> None:
+    clean = recording()
+    spoiled = clean.measured.copy()
+    counted = blocks(len(clean), odd=False)
+    spoiled[counted] += 5e-7
+    other = Recording("run", 1e-3, VOLTAGE.copy(), spoiled)
+    first, mask = heldout_prediction(nominal_model(), clean, Conditions())
+    second, _ = heldout_prediction(nominal_model(), other, Conditions())
+    assert np.array_equal(first, second)
+    assert np.array_equal(mask, counted)
+    assert np.max(np.abs((clean.measured - first)[mask])) < 1e-12
