@@ -1,0 +1,114 @@
+"""`microgripper identify`: fit the model to recordings of its rig."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from microgripper_control.cli.options import (
+    HoldOption,
+    InitialOption,
+    JsonOption,
+    MapOption,
+    ModelOption,
+    read_all,
+)
+from microgripper_control.effects.registry import registry
+from microgripper_control.identification.fit import Fit, fit
+from microgripper_control.identification.nuisance import Conditions
+from microgripper_control.plant.model import Key, Setting
+from microgripper_control.plant.model_file import load_model, save_model
+from microgripper_control.plant.simulate import Hold, Initial
+
+GAIN_TITLE = "gain d k/(k + k_s)"
+
+
+def identify(
+    recordings: Annotated[list[Path], typer.Argument(metavar="RECORDING...")],
+    model: ModelOption,
+    out: Annotated[Path, typer.Option("--out", metavar="FITTED.yaml")],
+    maps: MapOption = None,
+    hold: HoldOption = Hold.ZERO,
+    initial: InitialOption = Initial.FIRST_SAMPLE,
+    json_: JsonOption = False,
+) -> None:
+    """Fit a model's parameters to recordings; writes them with 95 % intervals."""
+    nominal = load_model(model)
+    given = read_all(recordings, maps)
+    with Console(stderr=True).status("reading") as status:
+        found = fit(
+            nominal, given, Conditions(hold, initial), lambda stage: status.update(f"fit: {stage}")
+        )
+    save_model(found.model, out)
+    if json_:
+        typer.echo(json.dumps(as_json(found) | {"fitted": str(out)}))
+        return
+    console = Console()
+    console.print(parameter_table(found))
+    for key, reason in ((u.key, u.reason) for u in found.undetermined):
+        console.print(f"not determined: {_title(key)}: {reason}", highlight=False)
+    for name, rmse, relative in zip(found.recordings, found.rmse, found.relative_rmse, strict=True):
+        console.print(
+            f"{name}: error {1e9 * rmse:.1f} nm rms, {100.0 * relative:.3f} % of peak to peak",
+            highlight=False,
+            soft_wrap=True,
+        )
+    console.print(f"written: {out}", highlight=False, soft_wrap=True)
+
+
+def parameter_table(found: Fit) -> Table:
+    """The identified values as people read them."""
+    table = Table("parameter", "value", "95 % interval", "unit")
+    table.add_row(*_row(GAIN_TITLE, found.gain, "m/V"))
+    for key in found.determined:
+        setting = found.model.settings[key[0]][key[1]]
+        table.add_row(*_row(_title(key), setting, _unit(key)))
+    return table
+
+
+def as_json(found: Fit) -> dict[str, Any]:
+    """The result for other programs: SI units throughout."""
+    parameters = {
+        f"{link}.{name}": _plain(found.model.settings[link][name], _unit((link, name)))
+        for link, name in found.determined
+    }
+    return {
+        "schema": "microgripper-identification/1",
+        "parameters": {"gain": _plain(found.gain, "m/V"), **parameters},
+        "undetermined": {f"{u.key[0]}.{u.key[1]}": u.reason for u in found.undetermined},
+        "recordings": [
+            {
+                "name": name,
+                "rmse_m": rmse,
+                "relative_rmse": relative,
+                "offset_m": nuisance.offset,
+                "initial_hysteresis_m": nuisance.initial_hysteresis,
+            }
+            for name, rmse, relative, nuisance in zip(
+                found.recordings, found.rmse, found.relative_rmse, found.nuisances, strict=True
+            )
+        ],
+    }
+
+
+def _plain(setting: Setting, unit: str) -> dict[str, Any]:
+    low, high = setting.interval or (None, None)
+    return {"value": setting.value, "unit": unit, "low": low, "high": high}
+
+
+def _row(title: str, setting: Setting, unit: str) -> tuple[str, str, str, str]:
+    low, high = setting.interval or (float("nan"), float("nan"))
+    return title, f"{setting.value:.6g}", f"{low:.6g} .. {high:.6g}", unit
+
+
+def _title(key: Key) -> str:
+    return f"{key[0]}.{key[1]}"
+
+
+def _unit(key: Key) -> str:
+    return registry()[key[0]].parameter(key[1]).unit

@@ -1,0 +1,42 @@
+"""The `microgripper` command."""
+
+from __future__ import annotations
+
+import sys
+
+import typer
+
+from microgripper_control.cli.demo import demo
+from microgripper_control.cli.identify import identify
+from microgripper_control.cli.simulate import simulate
+from microgripper_control.core.errors import MicrogripperError
+
+app = typer.Typer(
+    help="Simulate, control, identify and diagnose a piezo microgripper.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+for command in (identify, simulate, demo):
+    app.command(no_args_is_help=command is not demo)(command)
+
+
+@app.callback()
+def _group() -> None:
+    """Keep the commands' names even while there is only one of them."""
+
+
+BAD_INPUT = 2
+INTERRUPTED = 130
+
+
+def main() -> None:
+    """Run the command line: exit status 0 on success, 2 on bad input with one line on stderr."""
+    try:
+        app()
+    except MicrogripperError as error:
+        print(f"microgripper: {error}", file=sys.stderr)
+        sys.exit(BAD_INPUT)
+    except KeyboardInterrupt:
+        print("microgripper: interrupted", file=sys.stderr)
+        sys.exit(INTERRUPTED)

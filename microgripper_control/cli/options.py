@@ -1,0 +1,53 @@
+"""Options that several commands share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from microgripper_control.core.recording import Recording
+from microgripper_control.identification.nuisance import Conditions
+from microgripper_control.plant.simulate import Hold, Initial
+from microgripper_control.recordings.mapping import Mapping
+from microgripper_control.recordings.read import read_recording
+
+ModelOption = Annotated[
+    Path, typer.Option("--model", metavar="MODEL.yaml", help="The model of the rig.")
+]
+MapOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--map",
+        metavar="QUANTITY=NAME[:FIELD][*SCALE]",
+        help="Where voltage, displacement, time or setpoint are found in other people's recordings:"
+        " a column or a topic, a field of its messages, a factor to SI. May be repeated.",
+    ),
+]
+HoldOption = Annotated[
+    Hold, typer.Option("--hold", help="How the voltage runs between its samples.")
+]
+InitialOption = Annotated[
+    Initial, typer.Option("--initial", help="The state the recording starts in.")
+]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
+
+
+def conditions(hold: Hold, initial: Initial) -> Conditions:
+    """The conditions of the recordings from the options."""
+    return Conditions(hold, initial)
+
+
+def read_all(
+    paths: list[Path], maps: list[str] | None, needs_displacement: bool = True
+) -> list[Recording]:
+    """Read recordings; what was mended is said on standard error."""
+    mapping = Mapping.parse(maps or [])
+    recordings = []
+    for path in paths:
+        recording = read_recording(path, mapping, needs_displacement=needs_displacement)
+        for warning in recording.warnings:
+            typer.echo(f"warning: {recording.name}: {warning}", err=True)
+        recordings.append(recording)
+    return recordings

@@ -1,0 +1,87 @@
+"""`microgripper simulate`: what the model predicts for a recording's voltage."""
+
+from __future__ import annotations
+
+import enum
+import json
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+
+from microgripper_control.cli.options import (
+    HoldOption,
+    InitialOption,
+    JsonOption,
+    MapOption,
+    ModelOption,
+    read_all,
+)
+from microgripper_control.core.files import written_whole
+from microgripper_control.identification.nuisance import (
+    Conditions,
+    Nuisance,
+    heldout_prediction,
+    predict,
+)
+from microgripper_control.plant.model_file import load_model
+from microgripper_control.plant.simulate import Hold, Initial
+
+
+class NuisanceFit(str, enum.Enum):
+    """Whether the recording's own values are fitted before it is predicted."""
+
+    FIT = "fit"
+    NONE = "none"
+
+
+def simulate(
+    recording: Annotated[Path, typer.Argument(metavar="RECORDING")],
+    model: ModelOption,
+    out: Annotated[Path, typer.Option("--out", metavar="PREDICTED.csv")],
+    maps: MapOption = None,
+    hold: HoldOption = Hold.ZERO,
+    initial: InitialOption = Initial.FIRST_SAMPLE,
+    nuisance: Annotated[
+        NuisanceFit,
+        typer.Option(
+            help="fit: the recording's zero and initial state are fitted on blocks 1, 3, 5, 7, 9 of"
+            " ten, errors taken on the others; none: both are zero."
+        ),
+    ] = NuisanceFit.FIT,
+    json_: JsonOption = False,
+) -> None:
+    """Predict a recording's displacement with a model; one row per sample."""
+    rig = load_model(model)
+    given = read_all([recording], maps, needs_displacement=False)[0]
+    conditions = Conditions(hold, initial)
+    counted = np.ones(len(given), bool)
+    if given.displacement is not None and nuisance is NuisanceFit.FIT:
+        prediction, counted = heldout_prediction(rig, given, conditions)
+    else:
+        prediction = predict(rig, given, conditions, Nuisance())
+    with written_whole(out) as file:
+        file.write("time_s,displacement_m\n")
+        for time, value in zip(given.time, prediction, strict=True):
+            file.write(f"{time:.9f},{float(value)!r}\n")
+    summary = _summary(given.displacement, prediction, counted)
+    if json_:
+        typer.echo(json.dumps({"recording": given.name, "predicted": str(out), **summary}))
+        return
+    typer.echo(f"{len(given)} samples predicted: {out}")
+    if summary:
+        typer.echo(
+            f"error {1e9 * summary['rmse_m']:.1f} nm rms, "
+            f"{100.0 * summary['relative_rmse']:.3f} % of peak to peak"
+        )
+
+
+def _summary(
+    measured: np.ndarray | None, prediction: np.ndarray, counted: np.ndarray
+) -> dict[str, float]:
+    if measured is None:
+        return {}
+    rmse = float(np.sqrt(np.mean((measured - prediction)[counted] ** 2)))
+    span = float(np.ptp(measured))
+    return {"rmse_m": rmse, "relative_rmse": rmse / span if span > 0.0 else 0.0}

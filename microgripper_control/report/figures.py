@@ -1,0 +1,45 @@
+"""What all figures share: one style, no screen, files that appear whole."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+from cycler import cycler
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+MEASURED, SIMULATED, THIRD, FOURTH = "#1f4e79", "#d1495b", "#3a7d44", "#8d6a9f"
+STYLE: dict[Any, Any] = {
+    "figure.dpi": 130,
+    "axes.grid": True,
+    "grid.color": "#e4e8ee",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.prop_cycle": cycler(color=[MEASURED, SIMULATED, THIRD, FOURTH]),
+    "legend.frameon": False,
+    "font.size": 9,
+}
+
+
+@contextmanager
+def figure(path: Path, size: tuple[float, float] = (8.0, 4.5)) -> Iterator[Figure]:
+    """Yield an empty figure of `size` (inch) and save it as PNG under its final name."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_name(f".{path.name}")
+    with mpl.rc_context(STYLE):
+        drawn = Figure(figsize=size, layout="constrained")
+        yield drawn
+        drawn.savefig(temporary, format="png")
+    temporary.replace(path)
+
+
+def label(axes: Axes, x: str, y: str, title: str = "") -> None:
+    """Name both axes, with their units."""
+    axes.set_xlabel(x)
+    axes.set_ylabel(y)
+    if title:
+        axes.set_title(title, loc="left", fontsize=10)

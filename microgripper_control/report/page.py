@@ -1,0 +1,78 @@
+"""A self-contained HTML page of paragraphs, tables and figures, for screen, phone and print.
+
+Every text is escaped: names and messages may come from somebody's recording.
+"""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterable, Sequence
+from html import escape
+from pathlib import Path
+
+from microgripper_control.core.files import written_whole
+
+STYLE = """
+:root { color-scheme: light; }
+body { font: 16px/1.5 system-ui, sans-serif; color: #1c2733; max-width: 60rem;
+       margin: 0 auto; padding: 1rem; }
+h1 { font-size: 1.6rem; line-height: 1.2; } h2 { font-size: 1.2rem; margin-top: 2rem; }
+.scroll { overflow-x: auto; }
+table { border-collapse: collapse; margin: .8rem 0; font-variant-numeric: tabular-nums; }
+th, td { text-align: right; padding: .3rem .8rem; border-bottom: 1px solid #d8dee6; }
+th:first-child, td:first-child { text-align: left; }
+th { border-bottom: 2px solid #7b8794; }
+figure { margin: 1rem 0; } img { max-width: 100%; height: auto; }
+figcaption, .note { color: #51606f; font-size: .9rem; }
+@media print { body { max-width: none; font-size: 11pt; } figure, table { break-inside: avoid; } }
+"""
+
+
+class Page:
+    """Collects the parts of a page in the order in which they are added."""
+
+    def __init__(self, title: str) -> None:
+        self._title = title
+        self._parts: list[str] = []
+
+    def heading(self, text: str) -> None:
+        """Begin a section."""
+        self._parts.append(f"<h2>{escape(text)}</h2>")
+
+    def paragraph(self, text: str) -> None:
+        """Add a paragraph of plain text."""
+        self._parts.append(f"<p>{escape(text)}</p>")
+
+    def note(self, text: str) -> None:
+        """Add a paragraph in small grey type."""
+        self._parts.append(f'<p class="note">{escape(text)}</p>')
+
+    def table(self, header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+        """Add a table; the first column is text, the others are numbers, already formatted."""
+        head = "".join(f"<th>{escape(cell)}</th>" for cell in header)
+        lines = ("".join(f"<td>{escape(cell)}</td>" for cell in row) for row in rows)
+        body = "".join(f"<tr>{line}</tr>" for line in lines)
+        self._parts.append(
+            f'<div class="scroll"><table><thead><tr>{head}</tr></thead>'
+            f"<tbody>{body}</tbody></table></div>"
+        )
+
+    def figure(self, png: Path, caption: str) -> None:
+        """Embed a PNG file, so that the page can be sent on alone."""
+        data = base64.b64encode(png.read_bytes()).decode()
+        text = escape(caption)
+        self._parts.append(
+            f'<figure><img src="data:image/png;base64,{data}" alt="{text}">'
+            f"<figcaption>{text}</figcaption></figure>"
+        )
+
+    def write(self, path: Path) -> None:
+        """Write the page; it appears whole or not at all."""
+        title, parts = escape(self._title), "\n".join(self._parts)
+        with written_whole(path) as file:
+            file.write(
+                '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+                '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+                f"<title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n"
+                f"<h1>{title}</h1>\n{parts}\n</body>\n</html>\n"
+            )
