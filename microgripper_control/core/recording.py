@@ -12,6 +12,31 @@ from microgripper_control.core.signals import Array
 SHORTEST = 10  # samples
 
 
+def check_samples(
+    name: str, voltage: Array, displacement: Array | None, setpoint: Array | None
+) -> None:
+    """Raise MicrogripperError naming the recording where samples are too few or not finite.
+
+    A setpoint may be NaN: before the first one arrived there was none.
+    """
+    if len(voltage) < SHORTEST:
+        raise MicrogripperError(f"{name}: {len(voltage)} samples; at least {SHORTEST} are needed")
+    signals = {"voltage": voltage, "displacement": displacement, "setpoint": setpoint}
+    for label, samples in signals.items():
+        if samples is None:
+            continue
+        if samples.shape != voltage.shape:
+            raise MicrogripperError(
+                f"{name}: {label} has {len(samples)} samples, not {len(voltage)} as voltage"
+            )
+        bad = np.flatnonzero(~np.isfinite(samples))
+        if len(bad) and label != "setpoint":
+            raise MicrogripperError(
+                f"{name}: {label} is {samples[bad[0]]} at sample {bad[0]} "
+                f"({len(bad)} such); remove or interpolate it"
+            )
+
+
 @dataclass(frozen=True)
 class Recording:
     """Samples k = 0 .. n-1 at `start` + k `sample_period`.
@@ -32,26 +57,10 @@ class Recording:
     def __post_init__(self) -> None:
         if not (np.isfinite(self.sample_period) and self.sample_period > 0.0):
             raise MicrogripperError(f"{self.name}: sample period {self.sample_period} s")
-        if len(self.voltage) < SHORTEST:
-            raise MicrogripperError(
-                f"{self.name}: {len(self.voltage)} samples; at least {SHORTEST} are needed"
-            )
-        for label in ("voltage", "displacement", "setpoint"):
-            samples = getattr(self, label)
-            if samples is None:
-                continue
-            if samples.shape != self.voltage.shape:
-                raise MicrogripperError(
-                    f"{self.name}: {label} has {len(samples)} samples, not "
-                    f"{len(self.voltage)} as voltage"
-                )
-            bad = np.flatnonzero(~np.isfinite(samples))
-            if len(bad) and label != "setpoint":
-                raise MicrogripperError(
-                    f"{self.name}: {label} is {samples[bad[0]]} at sample {bad[0]} "
-                    f"({len(bad)} such); remove or interpolate it"
-                )
-            samples.setflags(write=False)
+        check_samples(self.name, self.voltage, self.displacement, self.setpoint)
+        for samples in (self.voltage, self.displacement, self.setpoint):
+            if samples is not None:
+                samples.setflags(write=False)
 
     def __len__(self) -> int:
         return len(self.voltage)

@@ -12,9 +12,9 @@ PACKAGE = Path(__file__).resolve().parents[1]
 def share_folder(package: Path = PACKAGE) -> Path:
     """The folder with `config/` and `launch/` that belongs to the code that is running.
 
-    In a source tree, and so after `pip install --editable` or `colcon build --symlink-install`, that
-    is the tree itself. Installed, it is `share/microgripper_control` of the prefix that the code is
-    in: a virtual environment, a user's or a system's prefix, or a colcon install space. Raises
+    In a source tree, and so after `pip install --editable` and `colcon build --symlink-install`,
+    that is the tree itself. Installed, it is `share/microgripper_control` of the prefix the code
+    lies in: a virtual environment, a user's or a system's prefix, a colcon install space. Raises
     MicrogripperError if the code was copied there without it.
     """
     if (package.parent / "package.xml").is_file():

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
-from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.rcsetup import cycler
 
 MEASURED, SIMULATED, THIRD, FOURTH = "#1f4e79", "#d1495b", "#3a7d44", "#8d6a9f"
 STYLE: dict[Any, Any] = {

@@ -1,0 +1,45 @@
+# make demo   the gripper, simulated, controlled, recorded and identified; results in out/demo
+# make test   style, types and all tests
+# make clean  removes the environment and everything generated
+#
+# The first run installs into a virtual environment of its own, .venv. Where ROS 2 is sourced, that
+# is used; elsewhere its wheels are installed from the Python package index.
+
+PYTHON ?= python3
+ROS := $(shell test -n "$$ROS_DISTRO" && $(PYTHON) -c 'import rclpy' 2>/dev/null && echo "$$ROS_DISTRO")
+ifdef ROS
+VENV := .venv-$(ROS)
+VENV_OPTIONS := --system-site-packages
+EXTRAS := test
+else
+VENV := .venv
+EXTRAS := ros,test
+endif
+BIN := $(VENV)/bin
+INSTALLED := $(VENV)/installed
+
+.PHONY: demo test install clean
+
+demo: install
+	$(BIN)/microgripper demo --out out/demo
+
+test: install
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+	$(BIN)/pytest
+
+install: $(INSTALLED)
+
+$(INSTALLED): setup.py
+	@$(PYTHON) -c 'import ensurepip' 2>/dev/null || \
+	  { echo "$(PYTHON) cannot make virtual environments: apt-get install python3-venv" >&2; exit 1; }
+	test -x $(BIN)/python || $(PYTHON) -m venv --clear $(VENV_OPTIONS) $(VENV)
+	@echo "Installing, about a minute ..."
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[$(EXTRAS)]'
+	@touch $@
+
+clean:
+	rm -rf .venv* build install log out *.egg-info
+	rm -rf .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	find . -name __pycache__ -prune -exec rm -rf {} +

@@ -1,0 +1,94 @@
+"""`microgripper identify` as its users type it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from microgripper_control.core.signals import Array
+from microgripper_control.plant.model import nominal_model
+from microgripper_control.plant.model_file import load_model, save_model
+from microgripper_control.plant.simulate import simulate
+
+Run = Callable[..., Any]
+PERIOD = 1e-3
+VOLTAGE = 80.0 - 75.0 * np.cos(2.0 * np.pi * PERIOD * np.arange(4000)) * np.linspace(1, 0.4, 4000)
+
+
+def write(path: Path, voltage: Array, displacement: Array, header: str = "") -> Path:
+    time = PERIOD * np.arange(len(voltage))
+    table = np.column_stack([time, voltage, displacement])
+    header = header or "time_s,voltage_V,displacement_m"
+    np.savetxt(path, table, delimiter=",", header=header, comments="", fmt="%.12g")
+    return path
+
+
+@pytest.fixture
+def model(tmp_path: Path) -> Path:
+    changes = {("bouc_wen", "d"): 1.3e-7, ("bouc_wen", "alpha"): 0.09}
+    save_model(nominal_model().with_values(changes), tmp_path / "model.yaml")
+    return tmp_path / "model.yaml"
+
+
+@pytest.fixture
+def recording(tmp_path: Path) -> Path:
+    noise = 15e-9 * np.random.default_rng(0).standard_normal(len(VOLTAGE))
+    return write(tmp_path / "run.csv", VOLTAGE, simulate(nominal_model(), VOLTAGE, PERIOD) + noise)
+
+
+def test_writes_a_model_with_intervals_that_hold_the_truth(
+    microgripper: Run, model: Path, recording: Path, tmp_path: Path
+) -> None:
+    out = tmp_path / "new" / "fitted.yaml"
+    done = microgripper("identify", "--model", model, recording, "--out", out)
+    assert done.status == 0
+    fitted = load_model(out)
+    for name, truth in nominal_model().values("bouc_wen").items():
+        setting = fitted.settings["bouc_wen"][name]
+        assert setting.value == pytest.approx(truth, rel=0.02)
+    assert "gain d k/(k + k_s)" in done.out
+    assert "not determined: second_order.m" in done.out
+    assert "% of peak to peak" in done.out
+
+
+def test_json_is_for_machines(
+    microgripper: Run, model: Path, recording: Path, tmp_path: Path
+) -> None:
+    done = microgripper(
+        "identify", "--model", model, recording, "--out", tmp_path / "f.yaml", "--json"
+    )
+    result = json.loads(done.out)
+    gain = result["parameters"]["gain"]
+    assert gain["unit"] == "m/V"
+    assert gain["low"] < 1.4447e-7 * 5e7 / (5e7 + 8.2e5) < gain["high"]
+    assert result["recordings"][0]["rmse_m"] == pytest.approx(15e-9, rel=0.1)
+
+
+def test_other_peoples_columns_and_units(microgripper: Run, model: Path, tmp_path: Path) -> None:
+    measured = simulate(nominal_model(), VOLTAGE, PERIOD)
+    path = write(tmp_path / "theirs.csv", VOLTAGE / 20.0, 1e6 * measured, "time_s,daq_V,x_um")
+    maps = ("--map", "voltage=daq_V*20", "--map", "displacement=x_um*1e-6")
+    done = microgripper("identify", "--model", model, path, *maps, "--out", tmp_path / "f.yaml")
+    assert done.status == 0
+    assert load_model(tmp_path / "f.yaml").value("bouc_wen", "alpha") == pytest.approx(0.0801, 1e-3)
+
+
+def test_bad_input_is_one_line_and_leaves_nothing(
+    microgripper: Run, model: Path, tmp_path: Path
+) -> None:
+    path = write(tmp_path / "bad.csv", VOLTAGE, np.full(len(VOLTAGE), np.nan))
+    out = tmp_path / "f.yaml"
+    for words in (
+        ("--model", model, path),
+        ("--model", model, tmp_path / "missing.csv"),
+        ("--model", tmp_path / "missing.yaml", path),
+    ):
+        done = microgripper("identify", *words, "--out", out)
+        assert done.status == 2
+        assert len(done.err.strip().splitlines()) == 1
+        assert not out.exists()

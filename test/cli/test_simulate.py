@@ -1,0 +1,55 @@
+"""`microgripper simulate` as its users type it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from microgripper_control.plant.model import nominal_model
+from microgripper_control.plant.model_file import save_model
+from microgripper_control.plant.simulate import simulate
+
+Run = Callable[..., Any]
+VOLTAGE = 80.0 - 80.0 * np.cos(2.0 * np.pi * 1e-3 * np.arange(2000))
+
+
+@pytest.fixture
+def model(tmp_path: Path) -> Path:
+    save_model(nominal_model(), tmp_path / "model.yaml")
+    return tmp_path / "model.yaml"
+
+
+def write(path: Path, *columns: np.ndarray, header: str) -> Path:
+    table = np.column_stack([1e-3 * np.arange(len(VOLTAGE)), *columns])
+    np.savetxt(path, table, delimiter=",", header=header, comments="", fmt="%.17g")
+    return path
+
+
+def test_one_row_per_sample_without_a_measured_displacement(
+    microgripper: Run, model: Path, tmp_path: Path
+) -> None:
+    path = write(tmp_path / "drive.csv", VOLTAGE, header="time_s,voltage_V")
+    out = tmp_path / "predicted.csv"
+    done = microgripper("simulate", "--model", model, path, "--out", out)
+    assert done.status == 0
+    rows = np.loadtxt(out, delimiter=",", skiprows=1)
+    assert out.read_text().splitlines()[0] == "time_s,displacement_m"
+    assert np.allclose(rows[:, 0], 1e-3 * np.arange(len(VOLTAGE)), atol=1e-9)
+    assert np.array_equal(rows[:, 1], simulate(nominal_model(), VOLTAGE, 1e-3))
+
+
+def test_the_recordings_own_zero_is_fitted_unless_told_not_to(
+    microgripper: Run, model: Path, tmp_path: Path
+) -> None:
+    measured = simulate(nominal_model(), VOLTAGE, 1e-3) + 5e-6
+    path = write(tmp_path / "run.csv", VOLTAGE, measured, header="time_s,voltage_V,displacement_m")
+    words = ("simulate", "--model", model, path, "--out", tmp_path / "p.csv", "--json")
+    fitted = json.loads(microgripper(*words).out)
+    assert fitted["rmse_m"] < 1e-12
+    plain = json.loads(microgripper(*words, "--nuisance", "none").out)
+    assert plain["rmse_m"] == pytest.approx(5e-6, rel=1e-6)

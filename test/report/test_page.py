@@ -1,0 +1,41 @@
+"""The page is whole, self-contained and takes no orders from a recording's name."""
+
+from __future__ import annotations
+
+from html.parser import HTMLParser
+from pathlib import Path
+
+from microgripper_control.report.figures import figure, label
+from microgripper_control.report.page import Page
+
+HOSTILE = '<script>alert("bag")</script>'
+
+
+class Tags(HTMLParser):
+    def __init__(self) -> None:
+        super().__init__()
+        self.seen: list[str] = []
+        self.sources: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.seen.append(tag)
+        self.sources += [value or "" for name, value in attrs if name in ("src", "href")]
+
+
+def test_hostile_text_is_shown_not_run(tmp_path: Path) -> None:
+    with figure(tmp_path / "f.png") as drawn:
+        axes = drawn.subplots()
+        axes.plot([0.0, 1.0])
+        label(axes, "time (s)", "x (um)", "a line")
+    page = Page(HOSTILE)
+    page.heading(HOSTILE)
+    page.paragraph(HOSTILE)
+    page.note(HOSTILE)
+    page.table(["name", HOSTILE], [[HOSTILE, "1"]])
+    page.figure(tmp_path / "f.png", HOSTILE)
+    page.write(tmp_path / "page.html")
+    tags = Tags()
+    tags.feed((tmp_path / "page.html").read_text(encoding="utf-8"))
+    assert "script" not in tags.seen
+    assert {"h1", "h2", "table", "figure"} <= set(tags.seen)
+    assert all(source.startswith("data:image/png;base64,") for source in tags.sources)

@@ -1,0 +1,95 @@
+"""Imports point one way."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+
+import microgripper_control
+
+PACKAGE = Path(microgripper_control.__file__).parent
+NAME = PACKAGE.name
+
+# Each room and the rooms it may import from, besides itself.
+ROOMS: dict[str, set[str]] = {
+    "core": set(),
+    "effects": {"core"},
+    "plant": {"core", "effects"},
+    "control": {"core", "effects"},
+    "recordings": {"core"},
+    "identification": {"core", "effects", "plant"},
+    "diagnosis": {"core", "effects", "plant", "identification"},
+}
+ROOMS["report"] = {*ROOMS}
+ROOMS["nodes"] = {*ROOMS}
+ROOMS["cli"] = {*ROOMS} - {"nodes"}
+
+# Each of these is imported in one room alone.
+HOMES = {
+    "matplotlib": "report",
+    "rosbags": "recordings",
+    "builtin_interfaces": "nodes",
+    "diagnostic_msgs": "nodes",
+    "lifecycle_msgs": "nodes",
+    "rcl_interfaces": "nodes",
+    "rclpy": "nodes",
+    "rosgraph_msgs": "nodes",
+    "sensor_msgs": "nodes",
+    "std_msgs": "nodes",
+    "std_srvs": "nodes",
+}
+
+
+def imported_modules(source: str) -> set[str]:
+    """Full names of all that is imported, at the top or inside a function."""
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, "relative imports hide the room they come from"
+            assert node.module is not None
+            names |= {f"{node.module}.{alias.name}" for alias in node.names}
+    return names
+
+
+def faults(room: str, source: str) -> list[str]:
+    """Imports that a file of the room may not have."""
+    found = []
+    for module in sorted(imported_modules(source)):
+        top, *rest = module.split(".")
+        if top == NAME and rest[0] in ROOMS and rest[0] not in {room, *ROOMS[room]}:
+            found.append(f"{room} imports {module}")
+        if HOMES.get(top, room) != room:
+            found.append(f"{top} belongs to {HOMES[top]} alone")
+    return found
+
+
+@pytest.mark.parametrize(
+    "file",
+    sorted(PACKAGE.glob("*/**/*.py")),
+    ids=lambda file: str(file.relative_to(PACKAGE)),
+)
+def test_imports_point_one_way(file: Path) -> None:
+    assert faults(file.relative_to(PACKAGE).parts[0], file.read_text(encoding="utf-8")) == []
+
+
+def test_every_room_has_its_place() -> None:
+    assert {folder.parent.name for folder in PACKAGE.glob("*/__init__.py")} <= ROOMS.keys()
+
+
+@pytest.mark.parametrize(
+    ("room", "source"),
+    [
+        ("control", f"from {NAME}.plant.model import Model"),
+        ("control", f"from {NAME} import plant"),
+        ("plant", f"def late():\n    import {NAME}.identification.fit"),
+        ("core", f"import numpy, {NAME}.effects"),
+        ("cli", "import rclpy.node"),
+        ("identification", "from rosbags.highlevel import AnyReader"),
+    ],
+)
+def test_a_wrong_import_is_found(room: str, source: str) -> None:
+    assert len(faults(room, source)) == 1
