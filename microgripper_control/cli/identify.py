@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from rich.box import SIMPLE
 from rich.console import Console
 from rich.table import Table
 
@@ -17,12 +18,13 @@ from microgripper_control.cli.options import (
     MapOption,
     ModelOption,
     read_all,
+    read_model,
 )
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.fit import Fit, fit
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.model import Key, Setting
-from microgripper_control.plant.model_file import load_model, save_model
+from microgripper_control.plant.model_file import save_model
 from microgripper_control.plant.simulate import Hold, Initial
 
 GAIN_TITLE = "gain d k/(k + k_s)"
@@ -38,7 +40,7 @@ def identify(
     json_: JsonOption = False,
 ) -> None:
     """Fit a model's parameters to recordings; writes them with 95 % intervals."""
-    nominal = load_model(model)
+    nominal = read_model(model)
     given = read_all(recordings, maps)
     with Console(stderr=True).status("reading") as status:
         found = fit(
@@ -48,27 +50,38 @@ def identify(
     if json_:
         typer.echo(json.dumps(as_json(found) | {"fitted": str(out)}))
         return
-    console = Console()
+    console = Console(highlight=False, soft_wrap=True)
     console.print(parameter_table(found))
-    for key, reason in ((u.key, u.reason) for u in found.undetermined):
-        console.print(f"not determined: {_title(key)}: {reason}", highlight=False)
-    for name, rmse, relative in zip(found.recordings, found.rmse, found.relative_rmse, strict=True):
+    for reason, titles in undetermined(found).items():
+        console.print(f"not determined: {', '.join(titles)}: {reason}")
+    for name, rmse, relative, white in zip(
+        found.recordings, found.rmse, found.relative_rmse, found.white_noise, strict=True
+    ):
         console.print(
-            f"{name}: error {1e9 * rmse:.1f} nm rms, {100.0 * relative:.3f} % of peak to peak",
-            highlight=False,
-            soft_wrap=True,
+            f"{name}: error {1e9 * rmse:.1f} nm rms, {100.0 * relative:.3f} % of peak to peak; "
+            f"white noise in it: {1e9 * white:.1f} nm"
         )
-    console.print(f"written: {out}", highlight=False, soft_wrap=True)
+    console.print(f"written: {out}")
 
 
 def parameter_table(found: Fit) -> Table:
     """The identified values as people read them."""
-    table = Table("parameter", "value", "95 % interval", "unit")
+    table = Table(box=SIMPLE)
+    for column in ("parameter", "value", "95 % interval", "unit"):
+        table.add_column(column, no_wrap=True)
     table.add_row(*_row(GAIN_TITLE, found.gain, "m/V"))
     for key in found.determined:
         setting = found.model.settings[key[0]][key[1]]
         table.add_row(*_row(_title(key), setting, _unit(key)))
     return table
+
+
+def undetermined(found: Fit) -> dict[str, list[str]]:
+    """The parameters that stay at their nominal values, by reason."""
+    by_reason: dict[str, list[str]] = {}
+    for entry in found.undetermined:
+        by_reason.setdefault(entry.reason, []).append(_title(entry.key))
+    return by_reason
 
 
 def as_json(found: Fit) -> dict[str, Any]:
@@ -86,11 +99,17 @@ def as_json(found: Fit) -> dict[str, Any]:
                 "name": name,
                 "rmse_m": rmse,
                 "relative_rmse": relative,
+                "white_noise_m": white,
                 "offset_m": nuisance.offset,
                 "initial_hysteresis_m": nuisance.initial_hysteresis,
             }
-            for name, rmse, relative, nuisance in zip(
-                found.recordings, found.rmse, found.relative_rmse, found.nuisances, strict=True
+            for name, rmse, relative, white, nuisance in zip(
+                found.recordings,
+                found.rmse,
+                found.relative_rmse,
+                found.white_noise,
+                found.nuisances,
+                strict=True,
             )
         ],
     }
@@ -103,11 +122,11 @@ def _plain(setting: Setting, unit: str) -> dict[str, Any]:
 
 def _row(title: str, setting: Setting, unit: str) -> tuple[str, str, str, str]:
     low, high = setting.interval or (float("nan"), float("nan"))
-    return title, f"{setting.value:.6g}", f"{low:.6g} .. {high:.6g}", unit
+    return title, f"{setting.value:.5g}", f"{low:.5g} .. {high:.5g}", unit
 
 
 def _title(key: Key) -> str:
-    return f"{key[0]}.{key[1]}"
+    return key[1] if registry()[key[0]].nominal else f"{key[0]}.{key[1]}"
 
 
 def _unit(key: Key) -> str:

@@ -17,6 +17,7 @@ from microgripper_control.cli.options import (
     MapOption,
     ModelOption,
     read_all,
+    read_model,
 )
 from microgripper_control.core.files import written_whole
 from microgripper_control.identification.nuisance import (
@@ -25,7 +26,6 @@ from microgripper_control.identification.nuisance import (
     heldout_prediction,
     predict,
 )
-from microgripper_control.plant.model_file import load_model
 from microgripper_control.plant.simulate import Hold, Initial
 
 
@@ -53,7 +53,7 @@ def simulate(
     json_: JsonOption = False,
 ) -> None:
     """Predict a recording's displacement with a model; one row per sample."""
-    rig = load_model(model)
+    rig = read_model(model)
     given = read_all([recording], maps, needs_displacement=False)[0]
     conditions = Conditions(hold, initial)
     counted = np.ones(len(given), bool)

@@ -16,6 +16,7 @@ from scipy.stats import t as student
 from microgripper_control.core.signals import Array
 
 LEVEL = 0.95
+NORMAL_MEDIAN = 0.6744897501960817  # of |x|, x standard normal
 
 
 def autocorrelation_time(residual: Array) -> float:
@@ -31,6 +32,15 @@ def autocorrelation_time(residual: Array) -> float:
     negative = np.flatnonzero(pairs <= 0.0)
     end = negative[0] if len(negative) else len(pairs)
     return float(max(1.0, 1.0 + 2.0 * np.sum(pairs[:end])))
+
+
+def white_noise(residual: Array) -> float:
+    """Standard deviation of the white part of a residual, in its unit.
+
+    Second differences remove whatever runs smoothly from sample to sample and leave white noise
+    with six times its variance; their median size overlooks single jumps.
+    """
+    return float(np.median(np.abs(np.diff(residual, 2))) / (NORMAL_MEDIAN * np.sqrt(6.0)))
 
 
 def covariance(jacobian: Array, residuals: Sequence[Array], offsets: int) -> Array:

@@ -17,6 +17,7 @@ from microgripper_control.identification.confidence import (
     autocorrelation_time,
     covariance,
     interval,
+    white_noise,
 )
 from microgripper_control.identification.nuisance import (
     Conditions,
@@ -53,6 +54,7 @@ class Fit:
     nuisances: tuple[Nuisance, ...]
     rmse: tuple[float, ...]  # m, per recording
     relative_rmse: tuple[float, ...]  # of the recording's peak to peak
+    white_noise: tuple[float, ...]  # m, per recording: what no model could explain
     gain: Setting  # d k / (k + k_s), m/V
     determined: tuple[Key, ...]
     undetermined: tuple[Undetermined, ...]
@@ -245,18 +247,20 @@ def _result(problem: Problem, z: Array, undetermined: tuple[Undetermined, ...]) 
         settings[key] = Setting(value, bounds)
     model = model.with_settings(settings)
     nuisances = tuple(problem.nuisances(z))
-    rmse, relative = [], []
+    rmse, relative, white = [], [], []
     for recording, nuisance in zip(problem.recordings, nuisances, strict=True):
         prediction = predict(model, recording, problem.conditions, nuisance)
         error = (recording.measured - prediction)[problem.conditions.unanswered :]
         rmse.append(float(np.sqrt(np.mean(error**2))))
         relative.append(rmse[-1] / float(np.ptp(recording.measured)))
+        white.append(white_noise(error))
     return Fit(
         model=model,
         recordings=tuple(recording.name for recording in problem.recordings),
         nuisances=nuisances,
         rmse=tuple(rmse),
         relative_rmse=tuple(relative),
+        white_noise=tuple(white),
         gain=_gain(model),
         determined=problem.free,
         undetermined=undetermined,

@@ -28,7 +28,7 @@ from microgripper_control.plant.model import Model, Setting
 
 SCHEMA = "microgripper-model/1"
 TOP_KEYS = ("schema", "name", "description", "voltage", "nominal", "effects")
-SETTING_KEYS = ("value", "unit", "interval_95", "frozen")
+SETTING_KEYS = ("value", "unit", "low", "high", "frozen")
 
 
 def load_model(path: str | Path) -> Model:
@@ -74,7 +74,9 @@ def parse_model(content: object, origin: str) -> Model:
 
 def save_model(model: Model, path: str | Path) -> None:
     """Write a model; the file appears whole or not at all."""
-    text = yaml.safe_dump(_plain(model), sort_keys=False, allow_unicode=True, width=100)
+    text = yaml.safe_dump(
+        _plain(model), sort_keys=False, allow_unicode=True, width=100, default_flow_style=None
+    )
     with written_whole(path) as file:
         file.write(text)
 
@@ -98,7 +100,7 @@ def _plain(model: Model) -> dict[str, Any]:
 def _plain_setting(setting: Setting, unit: str) -> dict[str, Any]:
     plain: dict[str, Any] = {"value": float(setting.value), "unit": unit}
     if setting.interval is not None:
-        plain["interval_95"] = [float(bound) for bound in setting.interval]
+        plain["low"], plain["high"] = map(float, setting.interval)
     if setting.frozen:
         plain["frozen"] = True
     return plain
@@ -115,11 +117,10 @@ def _link_settings(given: object, where: str, link: Link) -> dict[str, Setting]:
 def _setting(entry: object, where: str, unit: str) -> Setting:
     given = _mapping(entry, where, SETTING_KEYS)
     _check_unit(given, unit, where)
-    interval = given.get("interval_95")
-    if interval is not None:
-        if not isinstance(interval, list) or len(interval) != 2:
-            raise MicrogripperError(f"{where}: interval_95: {interval!r}; expected [low, high]")
-        interval = (_number(interval[0], where, True), _number(interval[1], where, True))
+    interval = None
+    if "low" in given or "high" in given:
+        low, high = (_number(given.get(key), f"{where}: {key}", True) for key in ("low", "high"))
+        interval = low, high
     frozen = given.get("frozen", False)
     if not isinstance(frozen, bool):
         raise MicrogripperError(f"{where}: frozen: {frozen!r}; expected true or false")

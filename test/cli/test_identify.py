@@ -52,7 +52,7 @@ def test_writes_a_model_with_intervals_that_hold_the_truth(
         setting = fitted.settings["bouc_wen"][name]
         assert setting.value == pytest.approx(truth, rel=0.02)
     assert "gain d k/(k + k_s)" in done.out
-    assert "not determined: second_order.m" in done.out
+    assert "not determined: m, b" in done.out
     assert "% of peak to peak" in done.out
 
 

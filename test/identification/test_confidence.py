@@ -10,6 +10,7 @@ from microgripper_control.identification.confidence import (
     autocorrelation_time,
     covariance,
     interval,
+    white_noise,
 )
 
 
@@ -34,6 +35,13 @@ def test_confidence_is_infinite_along_what_the_data_cannot_see() -> None:
     jacobian = np.stack([column, 2.0 * column, np.zeros(50)], axis=1)
     found = covariance(jacobian, [np.full(50, 0.1)], offsets=0)
     assert np.all(np.isinf(np.diag(found)))
+
+
+def test_white_noise_is_told_from_structure_and_jumps() -> None:
+    time = np.linspace(0.0, 1.0, 20_000)
+    structure = 50.0 * np.sin(2.0 * np.pi * 5.0 * time) + 100.0 * (time > 0.5)
+    noise = 0.3 * np.random.default_rng(13).standard_normal(len(time))
+    assert white_noise(structure + noise) == pytest.approx(0.3, rel=0.03)
 
 
 def test_interval_is_students() -> None:
