@@ -1,0 +1,101 @@
+"""The voltage guard: the last thing before a voltage is published.
+
+Whatever it is given, each answer is finite, within the range, and within the rate of the last one.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from microgripper_control.control.declared import Declared, declared
+from microgripper_control.core.errors import MicrogripperError
+
+
+@dataclass(frozen=True)
+class VoltageLimits(Declared):
+    """What the drive voltage may do; MicrogripperError names limits that contradict each other."""
+
+    low: float = declared("V", 0.0, -1e4, 1e4, "lowest voltage")
+    high: float = declared("V", 160.0, -1e4, 1e4, "highest voltage")
+    rate: float = declared("V/s", 2e4, 1.0, 1e9, "fastest change while controlling")
+    safe: float = declared("V", 0.0, -1e4, 1e4, "voltage to end at")
+    ramp_rate: float = declared("V/s", 2000.0, 1.0, 1e9, "change on the way to the safe voltage")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not self.low < self.high:
+            raise MicrogripperError(
+                f"VoltageLimits: low = {self.low:g} V must be below high = {self.high:g} V"
+            )
+        if not self.low <= self.safe <= self.high:
+            raise MicrogripperError(
+                f"VoltageLimits: safe = {self.safe:g} V must lie within "
+                f"low .. high = {self.low:g} .. {self.high:g} V"
+            )
+        if self.ramp_rate > self.rate:
+            raise MicrogripperError(
+                f"VoltageLimits: ramp_rate = {self.ramp_rate:g} V/s must not exceed "
+                f"rate = {self.rate:g} V/s"
+            )
+
+    def clip(self, voltage: float) -> float:
+        """The nearest voltage in range, V; `voltage` must not be NaN."""
+        return min(max(voltage, self.low), self.high)
+
+
+class VoltageGuard:
+    """Holds the last voltage that went out and lets the next one follow it."""
+
+    def __init__(self, limits: VoltageLimits, sample_period: float) -> None:
+        self._limits = limits
+        self._largest_change = limits.rate * sample_period
+        self._ramp_change = limits.ramp_rate * sample_period
+        self._voltage = limits.safe
+
+    @property
+    def limits(self) -> VoltageLimits:
+        """The limits it keeps."""
+        return self._limits
+
+    @property
+    def voltage(self) -> float:
+        """The last voltage that went out, V."""
+        return self._voltage
+
+    @property
+    def lowest(self) -> float:
+        """The lowest voltage that may go out next, V."""
+        return max(self._limits.low, self._voltage - self._largest_change)
+
+    @property
+    def highest(self) -> float:
+        """The highest voltage that may go out next, V."""
+        return min(self._limits.high, self._voltage + self._largest_change)
+
+    def start(self, reported: float) -> float:
+        """Begin at the voltage that the plant reports, V; the range comes first if it is outside.
+
+        Raises MicrogripperError if it is not finite: there is nothing to begin from.
+        """
+        if not math.isfinite(reported):
+            raise MicrogripperError(f"plant: reports {reported} V; wait for a finite voltage")
+        self._voltage = self._limits.clip(reported)
+        return self._voltage
+
+    def step(self, command: float) -> float:
+        """The voltage to publish for a command, V; NaN and infinities repeat the last one."""
+        if math.isfinite(command):
+            self._voltage = min(max(command, self.lowest), self.highest)
+        return self._voltage
+
+    def ramp_to(self, goal: float) -> float:
+        """One step towards `goal`, V, at the ramp rate; call until the answer no longer changes."""
+        if math.isfinite(goal):
+            goal = self._limits.clip(goal)
+            change = min(max(goal - self._voltage, -self._ramp_change), self._ramp_change)
+            # Not the sum where the goal is in reach: rounding must not keep it from arriving.
+            self._voltage = self._limits.clip(
+                goal if abs(change) < self._ramp_change else self._voltage + change
+            )
+        return self._voltage

@@ -1,0 +1,114 @@
+"""Default PID gains by a stated rule, and the margins that any gains leave.
+
+The loop, sampled: PID, one tick until the answer is applied, and the mechanics under a zero-order
+hold, which shows at the next tick. For a plant that settles within a sample the loop gain of pure
+integral action is g / (z (z - 1)) with g = K ki T.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.signal import cont2discrete
+
+from microgripper_control.control.identified import Identified
+from microgripper_control.control.pid import PidGains
+from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.signals import Array
+
+# Skogestad's SIMC rule (J. Process Control 13, 2003) for a static plant with dead time theta: pure
+# integral action, K ki = 1 / (2 theta). A sampled integrator takes effect half a sample late and
+# the answer one sample: theta = 1.5 T, so g = 1/3.
+SIMC_GAIN = 1.0 / 3.0
+GAIN_ERROR = 1.2  # the plant's gain may be this much larger than identified
+LEAST_GAIN_MARGIN = 2.0
+LEAST_PHASE_MARGIN = 45.0  # degrees
+MOST_REDUCTIONS = 150  # of the gain, to 1e-7 of the rule's
+FREQUENCIES = 20_000  # from zero to half the sampling rate
+
+
+@dataclass(frozen=True)
+class Margins:
+    """How far a stable loop is from its limit; zero for one that is unstable."""
+
+    gain: float  # factor
+    phase: float  # degrees
+
+
+def default_gains(identified: Identified, sample_period: float) -> PidGains:
+    """Integral gain by the SIMC rule, lowered until the margins hold.
+
+    A piezo settles within a sample, so that proportional and derivative action have nothing to
+    act on and only pass noise. Where it does not settle, a resonance limits ki. The margins, 2 and
+    45 degrees, hold also for a plant whose gain is 20 % higher than identified. Raises
+    MicrogripperError where nothing damps the resonance.
+    """
+    ki = SIMC_GAIN / (identified.gain * sample_period)
+    for _ in range(MOST_REDUCTIONS):
+        gains = PidGains(kp=0.0, ki=ki, kd=0.0)
+        margins = loop_margins(identified, gains, sample_period, GAIN_ERROR)
+        if margins.gain >= LEAST_GAIN_MARGIN and margins.phase >= LEAST_PHASE_MARGIN:
+            return gains
+        ki *= 0.9
+    raise MicrogripperError(
+        f"identified: second_order: b = {identified.b:g} N*s/m: no integral gain keeps the "
+        "margins; give gains"
+    )
+
+
+def loop_margins(
+    identified: Identified, gains: PidGains, sample_period: float, plant_factor: float = 1.0
+) -> Margins:
+    """Gain and phase margin of the sampled loop; the plant's gain is K times `plant_factor`.
+
+    The plant without hysteresis, that is with its largest gain. Infinite where the loop gain never
+    crosses.
+    """
+    above, below = _loop(identified, gains, sample_period)
+    above = plant_factor * above
+    if np.any(np.abs(np.roots(np.polyadd(below, above))) >= 1.0):
+        return Margins(0.0, 0.0)
+    z = np.exp(1j * math.pi * np.arange(1, FREQUENCIES + 1) / FREQUENCIES)
+    loop = np.polyval(above, z) / np.polyval(below, z)
+    return Margins(_gain_margin(loop), _phase_margin(loop))
+
+
+def _loop(identified: Identified, gains: PidGains, sample_period: float) -> tuple[Array, Array]:
+    """Numerator and denominator of the loop in z: PID, delay of one tick, sampled mechanics."""
+    v = identified
+    plant, plant_poles, _ = cont2discrete(
+        ([v.k * v.d], [v.m, v.b, v.k + v.k_s]), sample_period, method="zoh"
+    )
+    lag = gains.derivative_filter
+    filtered = np.array([lag + sample_period, -lag])
+    integrated = np.array([1.0, -1.0])
+    controller = np.polyadd(
+        np.polymul([gains.kp + gains.ki * sample_period, -gains.kp], filtered),
+        gains.kd * np.polymul(integrated, integrated),
+    )
+    late = np.array([1.0, 0.0])
+    above = np.polymul(controller, plant[0])
+    below = np.polymul(np.polymul(np.polymul(integrated, filtered), late), plant_poles)
+    return above, below
+
+
+def _gain_margin(loop: Array) -> float:
+    """1/|L| where L crosses the negative real axis inside the unit circle, the smallest."""
+    before, after = loop[:-1], loop[1:]
+    crosses = np.signbit(before.imag) != np.signbit(after.imag)
+    share = before.imag[crosses] / (before.imag - after.imag)[crosses]
+    real = before.real[crosses] + share * (after - before).real[crosses]
+    real = np.append(real, loop[-1].real)  # at half the sampling rate L is real
+    real = real[(real < 0.0) & (real > -1.0)]
+    return float(1.0 / -real.min()) if len(real) else math.inf
+
+
+def _phase_margin(loop: Array) -> float:
+    """Angle between L and the negative real axis, degrees, where |L| = 1, the smallest."""
+    size = np.abs(loop)
+    at = np.flatnonzero((size[:-1] > 1.0) != (size[1:] > 1.0))
+    share = np.log(size[at]) / np.log(size[at] / size[at + 1])
+    crossing = loop[at] + share * (loop[at + 1] - loop[at])
+    return float(np.degrees(np.abs(np.angle(-crossing))).min()) if len(at) else math.inf

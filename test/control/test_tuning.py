@@ -1,0 +1,121 @@
+"""The margins against closed forms, and the gains they lead to against the loop itself."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from microgripper_control.control.identified import Identified
+from microgripper_control.control.pid import Pid, PidGains
+from microgripper_control.control.tuning import default_gains, loop_margins
+from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.signals import Array
+from microgripper_control.plant.model import Model
+from microgripper_control.plant.simulate import Plant
+
+T = 1e-3
+
+
+def test_margins_of_integral_action_on_a_settled_plant_have_a_closed_form(
+    identified: Identified,
+) -> None:
+    for g in (0.05, 0.2, 0.5, 0.9):
+        margins = loop_margins(identified, PidGains(ki=g / (identified.gain * T)), T)
+        assert margins.gain == pytest.approx(1.0 / g, rel=1e-5)
+        phase = 90.0 - math.degrees(3.0 * math.asin(0.5 * g))
+        assert margins.phase == pytest.approx(phase, abs=1e-3)
+
+
+def test_margins_of_proportional_action_on_a_settled_plant_have_a_closed_form(
+    identified: Identified,
+) -> None:
+    # L = p / z^2: the phase is -180 degrees at a quarter of the sampling rate, |L| = p throughout.
+    for p in (0.25, 0.8):
+        margins = loop_margins(identified, PidGains(kp=p / identified.gain, ki=0.0), T)
+        assert margins.gain == pytest.approx(1.0 / p, rel=1e-5)
+        assert margins.phase == math.inf
+
+
+@pytest.mark.parametrize(
+    "gains",
+    [
+        PidGains(kp=1.1e6, ki=1e9, kd=600.0, derivative_filter=0.002),
+        PidGains(kp=2.5e6, ki=5e8, kd=0.0),
+        PidGains(kp=5e5, ki=2e9, kd=2e3, derivative_filter=0.0),
+    ],
+)
+def test_the_gain_margin_is_where_the_loop_turns_unstable(
+    model: Model, identified: Identified, gains: PidGains
+) -> None:
+    straight = model.with_values({("bouc_wen", "alpha"): 0.0})
+    margin = loop_margins(identified, gains, T).gain
+    assert 1.0 < margin < 20.0
+    for factor, grows in [(0.97 * margin, False), (1.03 * margin, True)]:
+        stronger = straight.with_values({("bouc_wen", "d"): identified.d * factor})
+        assert grows == _grows(stronger, gains)
+
+
+def _grows(model: Model, gains: PidGains) -> bool:
+    swing = np.abs(np.diff(_step_response(model, gains, T, 400)))
+    return bool(swing[-100:].max() > swing[100:200].max())
+
+
+def _step_response(model: Model, gains: PidGains, sample_period: float, count: int) -> Array:
+    plant, pid = Plant(model, sample_period), Pid(gains, sample_period)
+    x, u = np.empty(count), 0.0
+    for k in range(count):
+        x[k] = plant.read()
+        plant.write(u)
+        u = pid.step((1e-6 if k > 3 else 0.0) - x[k], x[k])
+    return x
+
+
+def test_an_unstable_loop_has_no_margin(identified: Identified) -> None:
+    margins = loop_margins(identified, PidGains(ki=1.1 / (identified.gain * T)), T)
+    assert (margins.gain, margins.phase) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("sample_period", [1e-2, 1e-3, 2e-4, 5e-5])
+@pytest.mark.parametrize("factor", [0.8, 1.0, 1.2])
+def test_default_gains_keep_the_margins_when_the_plant_gain_is_off(
+    identified: Identified, sample_period: float, factor: float
+) -> None:
+    gains = default_gains(identified, sample_period)
+    margins = loop_margins(identified, gains, sample_period, factor)
+    assert margins.gain > 2.0
+    assert margins.phase > 45.0
+
+
+def test_default_gains_follow_the_simc_rule_where_the_plant_settles(identified: Identified) -> None:
+    gains = default_gains(identified, T)
+    assert gains.ki == pytest.approx(1.0 / (2.0 * 1.5 * T * identified.gain))
+    assert (gains.kp, gains.kd) == (0.0, 0.0)
+    declared = PidGains()
+    assert (declared.kp, declared.kd) == (0.0, 0.0)
+    assert declared.ki == pytest.approx(gains.ki, rel=1e-3)
+
+
+def test_an_undamped_resonance_has_no_default_gains(identified: Identified) -> None:
+    with pytest.raises(MicrogripperError, match=r"b = 0 .* give gains"):
+        default_gains(replace(identified, b=0.0), 1e-4)
+
+
+def test_a_resonance_lowers_the_gain_until_the_loop_is_calm(
+    model: Model, identified: Identified
+) -> None:
+    k, k_s, frequency = 5e5, 1e4, 1300.0
+    m = (k + k_s) / (2.0 * math.pi * frequency) ** 2
+    b = 0.04 * math.sqrt((k + k_s) * m)  # a damping ratio of 2 %
+    ringing = replace(identified, m=m, b=b, k=k, k_s=k_s)
+    gains = default_gains(ringing, 1e-4)
+    assert gains.ki < 0.1 / (3.0 * 1e-4 * ringing.gain)
+    assert loop_margins(ringing, gains, 1e-4, 1.2).gain > 2.0
+    plant = model.with_values(
+        {("second_order", name): value for name, value in zip("mbk", (m, b, k), strict=True)}
+        | {("second_order", "k_s"): k_s}
+    )
+    response = _step_response(plant, gains, 1e-4, 1000)
+    np.testing.assert_allclose(response[-100:], 1e-6, rtol=1e-3)
