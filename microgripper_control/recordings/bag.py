@@ -1,0 +1,180 @@
+"""A rosbag2: a folder with a metadata.yaml and storage files, or one storage file by itself."""
+
+from __future__ import annotations
+
+import heapq
+import re
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+
+import numpy as np
+import yaml
+
+from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.recordings import mcap, sqlite
+from microgripper_control.recordings.library import LibraryBag
+from microgripper_control.recordings.mcap import McapFile
+from microgripper_control.recordings.sqlite import SqliteFile
+from microgripper_control.recordings.storage import Block, StorageFile, Topic
+
+METADATA = "metadata.yaml"
+SUFFIXES = (".mcap", ".db3")
+ROS1_MAGIC = b"#ROSBAG"
+
+
+class Bag:
+    """A bag that is open for reading; a context manager.
+
+    `topics` are in the order of their names. `warnings` is complete when the messages were read: it
+    says what could not be. Raises MicrogripperError where there is nothing to read.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        self.path = Path(path)
+        self._notes: list[str] = []
+        self._files: list[StorageFile] = []
+        self._counts: dict[str, int] = {}  # messages on a topic, by the metadata
+        try:
+            if self.path.is_dir():
+                self._open_folder()
+            else:
+                self._files.append(_open_file(self.path))
+        except OSError as error:
+            self.close()
+            raise MicrogripperError(f"{self.path}: cannot be read: {error.strerror}") from None
+        except MicrogripperError:
+            self.close()
+            raise
+        found = dict.fromkeys(topic for file in self._files for topic in file.topics)
+        self.topics = tuple(sorted(found, key=lambda topic: (topic.name, topic.type)))
+
+    def __enter__(self) -> Bag:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What was found missing so far."""
+        return (*self._notes, *(file.damage for file in self._files if file.damage))
+
+    def close(self) -> None:
+        """Let go of the files."""
+        for file in self._files:
+            file.close()
+
+    def blocks(self, topics: Collection[Topic]) -> Iterator[Block]:
+        """The messages of some topics, those of each near the order of receipt."""
+        found = dict.fromkeys(topics, 0)
+        for file in self._files:
+            for block in file.blocks(topics):
+                found[block.topic] += len(block)
+                yield block
+        for topic, count in found.items():
+            if count < self._counts.get(topic.name, 0):
+                note = f"{topic.name}: {count} of {self._counts[topic.name]} messages are there"
+                self._notes = [*(old for old in self._notes if old != note), note]
+
+    def messages(self, topics: Collection[Topic]) -> Iterator[tuple[Topic, int, bytes]]:
+        """Topic, time of receipt (ns since 1970) and content of each message, in order of time."""
+        rows = (self._messages_of(topic) for topic in topics)
+        return heapq.merge(*rows, key=lambda row: row[1])
+
+    def _messages_of(self, topic: Topic) -> Iterator[tuple[Topic, int, bytes]]:
+        for block in self.blocks([topic]):
+            for index in np.argsort(block.received, kind="stable"):
+                yield topic, int(block.received[index]), block.message(index)
+
+    def _open_folder(self) -> None:
+        present = sorted(
+            (file for file in self.path.iterdir() if file.suffix in SUFFIXES), key=_natural_order
+        )
+        metadata = _Metadata.read(self.path / METADATA)
+        if metadata is not None and metadata.compressed:
+            self._files.append(LibraryBag(self.path))
+            return
+        if metadata is None:
+            if not present:
+                raise MicrogripperError(
+                    f"{self.path}: is not a rosbag2: no {METADATA} and no .mcap or .db3 file in it"
+                )
+            self._notes.append(f"{METADATA} is missing or damaged; the storage files were read")
+        else:
+            self._counts = metadata.counts
+            listed = [self.path / name for name in metadata.files]
+            lost = [file.name for file in listed if not file.is_file()]
+            present = [file for file in listed if file.is_file()]
+            if not present:
+                names = ", ".join(lost) or "no storage file"
+                raise MicrogripperError(f"{self.path}: {METADATA} lists {names}: not there")
+            self._notes.extend(f"{name} is listed in {METADATA} but not there" for name in lost)
+        for file in present:
+            try:
+                self._files.append(_open_file(file))
+            except MicrogripperError as error:
+                if len(present) == 1:
+                    raise
+                self._notes.append(str(error))
+        if not self._files:
+            raise MicrogripperError(f"{self.path}: {'; '.join(self._notes)}")
+
+
+def _open_file(path: Path) -> StorageFile:
+    if not path.exists():
+        raise MicrogripperError(f"{path}: does not exist")
+    with path.open("rb") as file:
+        head = file.read(max(len(mcap.MAGIC), len(sqlite.MAGIC)))
+    if not head:
+        raise MicrogripperError(f"{path}: is empty")
+    if head.startswith(mcap.MAGIC):
+        return McapFile(path)
+    if head.startswith(sqlite.MAGIC):
+        return SqliteFile(path)
+    if head.startswith(ROS1_MAGIC):
+        raise MicrogripperError(f"{path}: is a bag of ROS 1; convert it with rosbags-convert")
+    raise MicrogripperError(f"{path}: is neither MCAP nor SQLite: not a rosbag2")
+
+
+def _natural_order(file: Path) -> list[tuple[int, str]]:
+    """Sorts bag_2 before bag_10."""
+    parts = re.findall(r"(\d+)|(\D+)", file.name)
+    return [(int(number or 0), text) for number, text in parts]
+
+
+@dataclass(frozen=True)
+class _Metadata:
+    """What a metadata.yaml says of the bag: its files in order, whether rosbag2 compressed them."""
+
+    files: list[str]
+    compressed: bool
+    counts: dict[str, int]
+
+    @classmethod
+    def read(cls, path: Path) -> _Metadata | None:
+        """None where the file is not there or not whole."""
+        try:
+            content = yaml.safe_load(path.read_text(encoding="utf-8"))
+            told = content["rosbag2_bagfile_information"]
+            if int(told["version"]) >= 5 and "files" not in told:
+                return None  # cut off: from version 5 on it follows the names of the files
+            return cls(
+                # Names alone: a path in a bag must not lead out of its folder.
+                files=[Path(str(name)).name for name in told["relative_file_paths"]],
+                compressed=str(told.get("compression_mode") or "NONE").upper() != "NONE",
+                counts={
+                    str(topic["topic_metadata"]["name"]): int(topic["message_count"])
+                    for topic in told["topics_with_message_count"]
+                },
+            )
+        except FileNotFoundError:
+            return None
+        except (yaml.YAMLError, ValueError, TypeError, KeyError, AttributeError, RecursionError):
+            return None

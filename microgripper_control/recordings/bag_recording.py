@@ -1,0 +1,222 @@
+"""Voltage, displacement and setpoint out of a bag.
+
+The usual bag has one topic `joint_states`, whose every message is a whole sample (`effort` carries
+the drive voltage). Bags of other rigs may hold the quantities on two topics: the displacement's
+samples are the clock then, and each is given the newest voltage stamped at or before it, as a
+converter would hold it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.recording import Recording
+from microgripper_control.core.signals import Array
+from microgripper_control.recordings.bag import Bag
+from microgripper_control.recordings.clock import Samples, on_uniform_clock
+from microgripper_control.recordings.layout import Layout, LayoutError, Place
+from microgripper_control.recordings.mapping import Mapping, Source
+from microgripper_control.recordings.storage import Integers, Topic
+from microgripper_control.recordings.values import topic_values
+
+JOINT_STATE = "sensor_msgs/msg/JointState"
+FLOAT64 = "std_msgs/msg/Float64"
+JOINT = "finger"
+JOINT_FIELDS = {"voltage": "effort", "displacement": "position", "setpoint": "position"}
+USUAL_TOPICS = {
+    "voltage": ("joint_states", JOINT_STATE),
+    "displacement": ("joint_states", JOINT_STATE),
+    "setpoint": ("setpoint", FLOAT64),
+}
+SAME_INSTANT = 0.01  # of the sample period: a voltage stamped later by less is not late
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Where one quantity is read from in a bag; NaN where it is not `needed` and not there."""
+
+    quantity: str
+    topic: Topic
+    field: str | None
+    scale: float
+    needed: bool
+
+    def place(self, layout: Layout) -> Place | None:
+        """The quantity's number in a message; LayoutError if it is needed and not there."""
+        try:
+            return layout.place(self._path(layout))
+        except LayoutError:
+            if self.needed:
+                raise
+            return None
+
+    def _path(self, layout: Layout) -> str:
+        if self.topic.type == JOINT_STATE:
+            path = self.field or JOINT_FIELDS[self.quantity]
+            names = layout.texts["name"]
+            if path not in ("position", "velocity", "effort"):
+                return path
+            if JOINT in names:
+                return f"{path}[{names.index(JOINT)}]"
+            if len(names) > 1:
+                listed = ", ".join(names)
+                raise LayoutError(
+                    f"has the joints {listed}, no {JOINT!r}; choose one, as {path}[0]"
+                )
+            return f"{path}[0]"
+        if self.field is not None:
+            return self.field
+        if "data" in layout.places:
+            return "data"
+        if len(layout.places) == 1:
+            return next(iter(layout.places))
+        known = ", ".join(layout.places)
+        raise LayoutError(f"has several numbers; choose one as {self.topic.name}:FIELD of {known}")
+
+
+class Series(NamedTuple):
+    """The numbers of one topic, in order of receipt: shapes (n,), (n,) and (n, numbers)."""
+
+    received: Integers  # ns
+    stamps: Integers | None  # ns; None where the messages carry none
+    values: Array
+
+
+def read_bag(path: str | Path, mapping: Mapping, *, needs_displacement: bool) -> Recording:
+    """Read a bag; MicrogripperError says what is wrong with it and what it holds instead."""
+    if mapping.time is not None:
+        raise MicrogripperError(f"{path}: --map time= is for CSV; a bag's messages are stamped")
+    with Bag(path) as bag:
+        try:
+            return _recording(bag, mapping, needs_displacement)
+        except MicrogripperError as error:
+            if not bag.warnings:
+                raise
+            raise MicrogripperError(f"{error} ({'; '.join(bag.warnings)})") from None
+
+
+def _recording(bag: Bag, mapping: Mapping, needs_displacement: bool) -> Recording:
+    notes: list[str] = []
+    voltage = _choose(bag, "voltage", mapping.voltage, True, notes)
+    displacement = _choose(bag, "displacement", mapping.displacement, needs_displacement, notes)
+    setpoint = _choose(bag, "setpoint", mapping.setpoint, False, notes)
+    assert voltage is not None  # it is needed: _choose would have raised
+    if displacement is None or displacement.topic == voltage.topic:
+        received, samples = _one_topic(bag, voltage, displacement, notes)
+    else:
+        received, samples = _two_topics(bag, voltage, displacement, notes)
+    position = samples.displacement
+    if not needs_displacement and position is not None and np.all(np.isnan(position)):
+        samples = replace(samples, displacement=None)
+    if setpoint is not None:
+        try:
+            samples = replace(samples, setpoint=_setpoint_of_samples(bag, setpoint, received))
+        except MicrogripperError as error:
+            if setpoint.needed:
+                raise
+            notes.append(f"setpoint not read: {error}")
+    return on_uniform_clock(str(bag.path), samples, (*bag.warnings, *notes))
+
+
+def _choose(
+    bag: Bag, quantity: str, source: Source | None, needed: bool, notes: list[str]
+) -> Choice | None:
+    """Find the quantity's topic, the mapped or the usual one, in any namespace."""
+    name, kind = (source.name, None) if source else USUAL_TOPICS[quantity]
+    bare = name.lstrip("/")
+    found = [
+        topic
+        for topic in bag.topics
+        if f"/{topic.name}".endswith(f"/{bare}") and kind in (None, topic.type)
+    ]
+    if source is not None:
+        needed = True
+        found = [topic for topic in found if topic.name.lstrip("/") == bare] or found
+    if len(found) == 1:
+        field, scale = (source.field, source.scale) if source else (None, 1.0)
+        return Choice(quantity, found[0], field, scale, needed)
+    listed = ", ".join(str(topic) for topic in found or bag.topics) or "no topics"
+    remedy = f"choose one with --map {quantity}=TOPIC[:FIELD]"
+    if found:
+        problem = f"several topics match {name}: {listed}; {remedy}"
+    else:
+        problem = f"no topic {name}{f' ({kind})' if kind else ''}; it has {listed}; {remedy}"
+    if needed:
+        raise MicrogripperError(f"{bag.path}: {problem}")
+    if found:
+        notes.append(problem)
+    return None
+
+
+def _series(bag: Bag, *choices: Choice) -> Series:
+    """Read quantities that are on one topic."""
+
+    def pick(layout: Layout) -> list[Place | None]:
+        stamp = [layout.places.get(f"header.stamp.{part}") for part in ("sec", "nanosec")]
+        return [*stamp, *(choice.place(layout) for choice in choices)]
+
+    topic = choices[0].topic
+    received, table = topic_values(bag, topic, pick)
+    if not len(received):
+        if not choices[0].needed:
+            return Series(received, None, np.empty((0, len(choices))))
+        raise MicrogripperError(f"{bag.path}: topic {topic} holds no messages")
+    values = table[:, 2:] * np.array([choice.scale for choice in choices])
+    if not np.any(np.nan_to_num(table[:, :2])):
+        return Series(received, None, values)
+    seconds, nanoseconds = table[:, :2].astype(np.int64).T
+    return Series(received, seconds * 10**9 + nanoseconds, values)
+
+
+def _one_topic(
+    bag: Bag, voltage: Choice, displacement: Choice | None, notes: list[str]
+) -> tuple[Integers, Samples]:
+    series = _series(bag, voltage, *([displacement] if displacement else []))
+    stamps = series.stamps
+    if stamps is None:
+        notes.append(f"{voltage.topic.name} carries no stamps: the times of receipt were used")
+        stamps = series.received
+    position = series.values[:, 1] if displacement else None
+    return series.received, _samples(stamps, series.values[:, 0], position)
+
+
+def _two_topics(
+    bag: Bag, voltage: Choice, displacement: Choice, notes: list[str]
+) -> tuple[Integers, Samples]:
+    drive, answer = _series(bag, voltage), _series(bag, displacement)
+    if drive.stamps is None or answer.stamps is None:
+        clock, given, of = answer.received, drive.received, "time of receipt"
+    else:
+        clock, given, of = answer.stamps, drive.stamps, "stamp"
+    tolerance = SAME_INSTANT * np.median(np.diff(clock)) if len(clock) > 1 else 0.0
+    order = np.argsort(given, kind="stable")
+    newest = np.searchsorted(given[order], clock + int(tolerance), side="right") - 1
+    begun = newest >= 0
+    notes.append(
+        f"voltage ({voltage.topic.name}) and displacement ({displacement.topic.name}) come apart: "
+        f"each displacement was given the newest voltage by {of}"
+    )
+    if not np.all(begun):
+        notes.append(f"dropped before the first voltage: {np.count_nonzero(~begun)} samples")
+    values = drive.values[order, 0][newest[begun]]
+    return answer.received[begun], _samples(clock[begun], values, answer.values[begun, 0])
+
+
+def _samples(stamps: Integers, voltage: Array, displacement: Array | None) -> Samples:
+    first = stamps[0] if len(stamps) else 0
+    return Samples((stamps - first) / 1e9, voltage, displacement, origin=float(first) / 1e9)
+
+
+def _setpoint_of_samples(bag: Bag, choice: Choice, received: Integers) -> Array | None:
+    """The setpoint that answers each sample: the newest before the next sample; NaN if none yet."""
+    series = _series(bag, choice)
+    if not len(series.received):
+        return None
+    newest = np.searchsorted(series.received, received[1:], side="left") - 1
+    newest = np.append(newest, len(series.received) - 1)
+    return np.where(newest >= 0, series.values[newest, 0], np.nan)

@@ -1,0 +1,226 @@
+"""Samples with time stamps put on one uniform clock.
+
+Stamps jitter, repeat and miss. Where the samples are the ticks of a uniform clock, up to a jitter
+that does not matter or to the digits that the stamps are written with, they are taken as they are
+and only missing ticks are filled in. Otherwise the signals are read off at equal intervals. What
+was done is said in the recording's warnings.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.recording import Recording, check_samples
+from microgripper_control.core.signals import Array
+
+LARGEST_JITTER = 0.02  # of the sample period, of 95 % of the stamps: below it they are uniform
+COARSEST_DIGIT = 0.35  # of the sample period: the last that stamps of a uniform clock may have
+CLEARLY_LATE = 0.1  # of the sample period
+MOST_REPEATED = 0.1  # of the stamps: beyond it they have too few digits
+MOST_MISSING = 1.0  # of the samples that are there: beyond it gaps cannot be filled
+
+
+@dataclass(frozen=True)
+class Samples:
+    """A recording as it was stored: every sample with a stamp of its own.
+
+    `time` is in s, shape (n,), and counts from `origin` (s), so that stamps since 1970 keep their
+    nanoseconds. `voltage` in V; `displacement` and `setpoint` in m.
+    """
+
+    time: Array
+    voltage: Array
+    displacement: Array | None = None
+    setpoint: Array | None = None
+    origin: float = 0.0
+
+    def on(self, known: Array, wanted: Array) -> Samples:
+        """Read the signals, known at increasing positions, off at others, one apart.
+
+        Voltage and setpoint are those that hold for most of the way to the next position; the
+        displacement runs straight.
+        """
+        held = np.searchsorted(known, wanted + 0.5, side="right") - 1
+        displacement = self.displacement
+        return Samples(
+            time=np.interp(wanted, known, self.time),
+            voltage=self.voltage[held],
+            displacement=None if displacement is None else np.interp(wanted, known, displacement),
+            setpoint=None if self.setpoint is None else self.setpoint[held],
+            origin=self.origin,
+        )
+
+    def where(self, keep: Array) -> Samples:
+        """Only the samples at which the boolean array `keep` is true."""
+        return Samples(
+            time=self.time[keep],
+            voltage=self.voltage[keep],
+            displacement=None if self.displacement is None else self.displacement[keep],
+            setpoint=None if self.setpoint is None else self.setpoint[keep],
+            origin=self.origin,
+        )
+
+
+def on_uniform_clock(name: str, samples: Samples, warnings: tuple[str, ...] = ()) -> Recording:
+    """Make a recording of stamped samples; `warnings` are added to those of this function.
+
+    Raises MicrogripperError, with the index of the sample, on values that are not finite, on time
+    that runs backwards and where more of the ticks are missing than present.
+    """
+    check_samples(name, samples.voltage, samples.displacement, samples.setpoint)
+    notes = list(warnings)
+    samples = _increasing(name, samples, notes)
+    period, known = _positions(name, samples.time, notes)
+    wanted = np.arange(int(known[-1] + 1e-6) + 1, dtype=float)
+    if not np.array_equal(known, wanted):
+        samples = samples.on(known, wanted)
+    return Recording(
+        name=name,
+        sample_period=float(f"{period:.12g}"),  # 0.001 again, not 0.0010000000000000002
+        voltage=samples.voltage,
+        displacement=samples.displacement,
+        setpoint=samples.setpoint,
+        start=samples.origin + float(samples.time[0]),
+        warnings=tuple(notes),
+    )
+
+
+def _increasing(name: str, samples: Samples, notes: list[str]) -> Samples:
+    """The samples without repeated stamps."""
+    time = samples.time
+    bad = np.flatnonzero(~np.isfinite(time))
+    if len(bad):
+        raise MicrogripperError(f"{name}: time is {time[bad[0]]} at sample {bad[0]}; repair it")
+    steps = np.diff(time)
+    back = np.flatnonzero(steps < 0.0)
+    if len(back):
+        at = back[0] + 1
+        raise MicrogripperError(
+            f"{name}: time runs backwards at sample {at}, from {time[at - 1]:.9g} s to "
+            f"{time[at]:.9g} s; cut the recording there"
+        )
+    repeated = int(np.count_nonzero(steps == 0.0))
+    if not repeated:
+        return samples
+    if repeated > MOST_REPEATED * len(time):
+        raise MicrogripperError(
+            f"{name}: {repeated} of {len(time)} time stamps repeat the one before; "
+            "write time with more digits"
+        )
+    notes.append(f"repeated stamps: {repeated}; the samples were dropped")
+    samples = samples.where(np.append(True, steps > 0.0))
+    check_samples(name, samples.voltage, samples.displacement, samples.setpoint)
+    return samples
+
+
+def _positions(name: str, time: Array, notes: list[str]) -> tuple[float, Array]:
+    """The sample period, s, and where the samples lie, in periods from the first.
+
+    Whole numbers if they are the ticks of a uniform clock, some of which may be missing.
+    """
+    clock = _Clock.through(time, np.arange(len(time), dtype=float))
+    if not clock.fits(time):
+        clock = _Clock.through(time, _ticks_with_gaps(time))
+    steps = np.diff(time)
+    uniform = clock.fits(time)
+    period = clock.period if uniform else _typical(steps)
+    known = clock.ticks if uniform else (time - time[0]) / period
+    missing = int(known[-1] + 1e-6) + 1 - len(known)
+    longest = int(np.argmax(steps))
+    gap = f"the longest gap is {steps[longest]:.6g} s after sample {longest}"
+    if missing > MOST_MISSING * len(known):
+        raise MicrogripperError(
+            f"{name}: of {len(known) + missing} samples at {period:.6g} s only {len(known)} are "
+            f"there, {gap}; cut the recording there"
+        )
+    if uniform:
+        notes.extend(clock.late_stamps())
+    else:
+        notes.append(
+            f"samples are unequally spaced ({np.std(steps) / period:.1%} of the period rms): "
+            f"resampled at {period:.6g} s, voltage held, displacement interpolated"
+        )
+    if uniform and missing:
+        notes.append(f"missing samples: {missing}, {gap}; voltage held, displacement interpolated")
+    return period, known
+
+
+@dataclass(frozen=True)
+class _Clock:
+    """A uniform clock with a period in s.
+
+    Sample i is its tick `ticks[i]`, counted from 0, and stamped `jitter[i]` periods late.
+    """
+
+    period: float
+    ticks: Array
+    jitter: Array
+
+    @classmethod
+    def through(cls, time: Array, ticks: Array) -> _Clock:
+        """The clock that fits best where the stamps are not out of all order."""
+        near = np.ones(len(time), bool)
+        for _ in range(3):
+            k, t = ticks[near], time[near]
+            centred = k - k.mean()
+            period = float(centred @ (t - t.mean()) / (centred @ centred))
+            jitter = time / period - ticks
+            jitter -= np.median(jitter)
+            near = np.abs(jitter) < 0.5
+            if np.count_nonzero(near) < 0.5 * len(time):
+                break
+        return cls(period, ticks - ticks[0], jitter)
+
+    def fits(self, time: Array) -> bool:
+        """Whether the stamps are those ticks, up to what does not matter or was rounded off."""
+        # A program can stamp a sample late, never early, and catches up in the end: what looks
+        # otherwise is a missing sample.
+        if np.min(self.jitter) < -0.75 or self.jitter[-1] > 0.75:
+            return False
+        off = np.abs(self.jitter)
+        if np.quantile(off, 0.95) <= LARGEST_JITTER:
+            return True
+        digit = _last_digit(time)
+        return bool(
+            digit < COARSEST_DIGIT * self.period and np.max(off) * self.period <= 0.55 * digit
+        )
+
+    def late_stamps(self) -> list[str]:
+        """A note on stamps that are off by more than rounding and jitter."""
+        off = np.abs(self.jitter)
+        count = np.count_nonzero(off > CLEARLY_LATE)
+        if not count or np.quantile(off, 0.95) > LARGEST_JITTER:
+            return []
+        return [
+            f"late stamps: {count}, by up to {np.max(off) * self.period:.6g} s; taken as on time"
+        ]
+
+
+def _last_digit(time: Array) -> float:
+    """The power of ten, s, of which all stamps are multiples; at least a nanosecond."""
+    for digits in range(9):
+        scaled = (time - time[0]) * 10.0**digits
+        if np.max(np.abs(scaled - np.rint(scaled))) < 1e-3:
+            return 10.0**-digits
+    return 1e-9
+
+
+def _typical(steps: Array) -> float:
+    """The mean of the steps without gaps among them."""
+    middle = np.median(steps)
+    return float(np.mean(steps[np.abs(steps - middle) <= 0.5 * middle]))
+
+
+def _ticks_with_gaps(time: Array) -> Array:
+    """The ticks of a clock that fits most of the stamps, where samples are missing."""
+    period = _typical(np.diff(time))
+    position = (time - time[0]) / period
+    phase = np.angle(np.mean(np.exp(2j * np.pi * position))) / (2.0 * np.pi)
+    ticks = np.rint(position - phase)
+    # A stamp can be late, and then shares its tick with a later sample: it belongs to the last tick
+    # that leaves one to each of those that follow.
+    order = np.arange(float(len(time)))
+    return np.asarray(np.minimum.accumulate((ticks - order)[::-1])[::-1] + order)

@@ -1,0 +1,173 @@
+"""CSV with a header such as `time_s,voltage_V,displacement_m`.
+
+The columns may stand in any order, further ones are ignored, `setpoint_m` may be there, too.
+Commas, semicolons or tabs separate them.
+"""
+
+from __future__ import annotations
+
+import csv
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TextIO
+
+import numpy as np
+
+from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.recording import Recording
+from microgripper_control.core.signals import Array
+from microgripper_control.recordings.clock import Samples, on_uniform_clock
+from microgripper_control.recordings.mapping import Mapping
+
+USUAL_COLUMNS = {
+    "time": "time_s",
+    "voltage": "voltage_V",
+    "displacement": "displacement_m",
+    "setpoint": "setpoint_m",
+}
+DELIMITERS = ",;\t"
+LONGEST_HEADER = 65536  # characters
+
+
+def read_csv(path: Path, mapping: Mapping, *, needs_displacement: bool) -> Recording:
+    """Read a CSV; MicrogripperError names the line or the column that is wrong."""
+    needed = {"time", "voltage"} | ({"displacement"} if needs_displacement else set())
+    try:
+        header, delimiter = _read_header(path, _usual_header())
+        columns: dict[str, int] = {}
+        for quantity in USUAL_COLUMNS:
+            index = _find_column(path, header, quantity, mapping, quantity in needed)
+            if index is not None:
+                columns[quantity] = index
+        table = _read_numbers(path, header, delimiter, list(columns.values()))
+    except OSError as error:
+        raise MicrogripperError(f"{path}: cannot be read: {error.strerror}") from None
+    values: dict[str, Array] = {}
+    for quantity, numbers in zip(columns, table.T, strict=True):
+        source = getattr(mapping, quantity)
+        values[quantity] = numbers * (source.scale if source else 1.0)
+    samples = Samples(
+        values["time"], values["voltage"], values.get("displacement"), values.get("setpoint")
+    )
+    return on_uniform_clock(str(path), samples)
+
+
+def read_columns(path: Path, names: Sequence[str]) -> Array:
+    """The numbers of the named columns of a CSV of something else, shape (rows, columns).
+
+    Raises MicrogripperError as `read_csv` does.
+    """
+    try:
+        header, delimiter = _read_header(path, ",".join(names))
+        for name in names:
+            if header.count(name) != 1:
+                raise MicrogripperError(
+                    f"{path}: {header.count(name)} columns are named {name!r}, not one; "
+                    f"it has {', '.join(header)}"
+                )
+        return _read_numbers(path, header, delimiter, [header.index(name) for name in names])
+    except OSError as error:
+        raise MicrogripperError(f"{path}: cannot be read: {error.strerror}") from None
+
+
+def _opened(path: Path) -> TextIO:
+    # Only the names of the columns are text: a foreign encoding spoils at most those.
+    return path.open(encoding="utf-8-sig", errors="replace", newline="")
+
+
+def _read_header(path: Path, usual: str) -> tuple[list[str], str]:
+    """The names of the columns and what separates them; `usual` is what they should be."""
+    with _opened(path) as file:
+        line = file.readline(LONGEST_HEADER)
+    if not line.strip():
+        raise MicrogripperError(f"{path}: is empty; expected a header such as {usual}")
+    if "\0" in line or "\ufffd\ufffd" in line:
+        raise MicrogripperError(f"{path}: is neither a rosbag2 nor a CSV in UTF-8")
+    delimiter = next((mark for mark in DELIMITERS if mark in line), ",")
+    header = [name.strip() for name in next(csv.reader([line], delimiter=delimiter))]
+    if all(_is_number(name) for name in header):
+        raise MicrogripperError(
+            f"{path}: line 1 has numbers where the names of the columns should be, such as {usual}"
+        )
+    return header, delimiter
+
+
+def _usual_header() -> str:
+    return ",".join(USUAL_COLUMNS[quantity] for quantity in ("time", "voltage", "displacement"))
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _find_column(
+    path: Path, header: list[str], quantity: str, mapping: Mapping, needed: bool
+) -> int | None:
+    source = getattr(mapping, quantity)
+    name = source.column if source else USUAL_COLUMNS[quantity]
+    if header.count(name) == 1:
+        return header.index(name)
+    if name in header:
+        raise MicrogripperError(f"{path}: {header.count(name)} columns are named {name!r}")
+    if needed or source:
+        raise MicrogripperError(
+            f"{path}: no column {name!r}; it has {', '.join(header)}; "
+            f"choose one with --map {quantity}=COLUMN"
+        )
+    return None
+
+
+def _read_numbers(path: Path, header: list[str], delimiter: str, columns: list[int]) -> Array:
+    """The numbers of some columns, shape (rows, columns)."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of a file without rows
+            return np.loadtxt(
+                path,
+                delimiter=delimiter,
+                skiprows=1,
+                usecols=columns,
+                ndmin=2,
+                comments=None,
+                quotechar='"',
+                encoding="latin-1",
+            )
+    except ValueError:
+        return _read_row_by_row(path, header, delimiter, columns)
+
+
+def _read_row_by_row(path: Path, header: list[str], delimiter: str, columns: list[int]) -> Array:
+    """As `_read_numbers`, slower, but able to name what is wrong and to leave out setpoints."""
+    rows: list[list[float]] = []
+    with _opened(path) as file:
+        reader = csv.reader(file, delimiter=delimiter)
+        next(reader)
+        try:
+            for row in reader:
+                if any(cell.strip() for cell in row):
+                    where = f"{path}: line {reader.line_num}"
+                    rows.append([_number(row, index, header, where) for index in columns])
+        except csv.Error as error:
+            raise MicrogripperError(f"{path}: line {reader.line_num}: {error}") from None
+    return np.array(rows, dtype=float).reshape(len(rows), len(columns))
+
+
+def _number(row: list[str], index: int, header: list[str], where: str) -> float:
+    if index >= len(row):
+        raise MicrogripperError(
+            f"{where}: {len(row)} cells, none in column {header[index]!r}; complete or remove it"
+        )
+    cell = row[index].strip()
+    if not cell and header[index] == USUAL_COLUMNS["setpoint"]:
+        return float("nan")
+    try:
+        return float(cell)
+    except ValueError:
+        raise MicrogripperError(
+            f"{where}: {cell!r:.40} in column {header[index]!r} is not a number"
+        ) from None

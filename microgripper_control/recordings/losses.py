@@ -1,0 +1,64 @@
+"""Counts what is missing from a stream, message by message as it comes."""
+
+from __future__ import annotations
+
+from statistics import median
+
+FIRST = 200  # intervals between stamps that tell the sample period
+
+
+class Sequence:
+    """Messages of one publisher, which numbers them; another publisher is a new beginning."""
+
+    def __init__(self) -> None:
+        self.count = 0
+        self.lost = 0
+        self._last = 0
+
+    def note(self, number: int) -> None:
+        """Count a message with its sequence number."""
+        if self.count and number > self._last:
+            self.lost += number - self._last - 1
+        self.count += 1
+        self._last = number
+
+
+class StampedSamples:
+    """Samples of a uniform clock whose stamps have been seen, in order of receipt.
+
+    A stamp that does not follow the one before is no gap: time that stands still or runs backwards
+    is a new beginning.
+    """
+
+    def __init__(self) -> None:
+        self.count = 0
+        self._last = 0  # ns
+        self._first: list[int] = []  # intervals, ns, until the period is known
+        self._period = 0.0  # ns
+        self._missing = 0
+
+    @property
+    def missing(self) -> int:
+        """How many ticks of the clock had no sample."""
+        if self._period or len(self._first) < 2:
+            return self._missing
+        period = float(median(self._first))
+        return sum(_skipped(interval, period) for interval in self._first)
+
+    def note(self, stamp: int) -> None:
+        """Count a sample with its stamp, ns."""
+        interval, self._last = stamp - self._last, stamp
+        self.count += 1
+        if self.count == 1 or interval <= 0:
+            return
+        if self._period:
+            self._missing += _skipped(interval, self._period)
+            return
+        self._first.append(interval)
+        if len(self._first) == FIRST:
+            missing = self.missing
+            self._period, self._missing = float(median(self._first)), missing
+
+
+def _skipped(interval: int, period: float) -> int:
+    return max(0, round(interval / period) - 1)

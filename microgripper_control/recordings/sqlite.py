@@ -1,0 +1,124 @@
+"""SQLite3 storage, read in bulk and as far as it goes.
+
+A file that was closed is read in place. One that was not (its recorder was killed, it was cut off)
+is read from a copy, which SQLite may mend; the recording itself is never touched.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sqlite3
+import struct
+from collections.abc import Collection, Iterator
+from itertools import islice
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.recordings.storage import Block, Topic
+
+MAGIC = b"SQLite format 3\x00"
+SMALLEST_PAGE = 512  # bytes
+SIDE_FILES = ("-wal", "-journal")  # beside a file whose writer has not finished
+ROWS_AT_ONCE = 4096
+
+
+class SqliteFile:
+    """One SQLite3 file, whole or not; MicrogripperError if it is no rosbag2."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._copy: TemporaryDirectory[str] | None = None
+        self.damage = self._find_damage()
+        self._database = self._connect()
+        try:
+            self._numbers = self._read_topics()
+        except (sqlite3.Error, TypeError, UnicodeDecodeError):
+            self.close()
+            raise MicrogripperError(f"{path}: is damaged: its topics cannot be read") from None
+        except MicrogripperError:
+            self.close()
+            raise
+        self.topics = tuple(dict.fromkeys(self._numbers.values()))
+
+    def blocks(self, topics: Collection[Topic]) -> Iterator[Block]:
+        """The messages of some topics, one topic after the other, in the order of receipt."""
+        for number, topic in self._numbers.items():
+            if topic in topics:
+                yield from self._blocks_of(number, topic)
+
+    def _blocks_of(self, number: int, topic: Topic) -> Iterator[Block]:
+        try:
+            # In the order of the table: the index by time may lie in a part that is lost.
+            cursor = self._database.execute(
+                "SELECT timestamp, data FROM messages WHERE topic_id = ? ORDER BY id", [number]
+            )
+            while True:
+                rows: list[tuple[int, bytes]] = []
+                try:
+                    rows.extend(islice(cursor, ROWS_AT_ONCE))
+                finally:  # what comes before an error is good
+                    if rows:
+                        yield Block.of(topic, [row[0] for row in rows], [row[1] for row in rows])
+                if not rows:
+                    return
+        except (sqlite3.Error, TypeError, OverflowError):  # not a number, too large for one
+            self.damage = f"{self._path.name} is damaged: what could not be read is missing"
+
+    def close(self) -> None:
+        """Let go of the file."""
+        self._database.close()
+        if self._copy is not None:
+            self._copy.cleanup()
+
+    def _find_damage(self) -> str | None:
+        with self._path.open("rb") as file:
+            header = file.read(100)
+        if not header.startswith(MAGIC):
+            raise MicrogripperError(f"{self._path}: is not an SQLite file")
+        page, pages = struct.unpack_from(">H10xI", header.ljust(100, b"\0"), 16)
+        self._page_size = 65536 if page == 1 else page
+        size = self._path.stat().st_size
+        if self._page_size < SMALLEST_PAGE or size < self._page_size:
+            raise MicrogripperError(f"{self._path}: is damaged: its topics cannot be read")
+        if size < pages * self._page_size:
+            return f"{self._path.name} is cut off: what could not be read is missing"
+        if self._side_files():
+            return f"{self._path.name} was not closed: what was not yet written is missing"
+        return None
+
+    def _side_files(self) -> list[Path]:
+        files = [self._path.with_name(self._path.name + end) for end in SIDE_FILES]
+        return [file for file in files if file.is_file() and file.stat().st_size]
+
+    def _connect(self) -> sqlite3.Connection:
+        if self.damage is None:
+            return sqlite3.connect(f"{self._path.resolve().as_uri()}?immutable=1", uri=True)
+        self._copy = TemporaryDirectory()
+        for file in (self._path, *self._side_files()):
+            shutil.copyfile(file, Path(self._copy.name, file.name))
+        copy = Path(self._copy.name, self._path.name)
+        # SQLite would take the missing end of a page for zeros, and so for values.
+        os.truncate(copy, copy.stat().st_size // self._page_size * self._page_size)
+        return sqlite3.connect(copy)
+
+    def _read_topics(self) -> dict[int, Topic]:
+        """Topics by their number in the file."""
+        # Without this SQLite refuses a file that is shorter than its header says.
+        self._database.execute("PRAGMA writable_schema = ON")
+        # Tables alone: a view can be made to go on for ever.
+        query = "SELECT name FROM sqlite_master WHERE type = 'table'"
+        tables = {name for (name,) in self._database.execute(query)}
+        if not {"topics", "messages"} <= tables:
+            raise MicrogripperError(f"{self._path}: is an SQLite file but no rosbag2")
+        definitions: dict[str, str] = {}
+        if "message_definitions" in tables:
+            query = "SELECT topic_type, encoded_message_definition FROM message_definitions"
+            definitions.update(self._database.execute(f"{query} WHERE encoding = 'ros2msg'"))
+        return {
+            number: Topic(name, kind, encoding, definitions.get(kind, ""))
+            for number, name, kind, encoding in self._database.execute(
+                "SELECT id, name, type, serialization_format FROM topics"
+            )
+        }

@@ -1,0 +1,80 @@
+"""What a storage file of a rosbag2 gives: its topics, and their messages in blocks.
+
+Recordings run to many millions of messages, too many to hold one Python object each: a block keeps
+thousands of serialized messages side by side in one array of bytes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Bytes = NDArray[np.uint8]
+Integers = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Topic:
+    """A topic as recorded; two of the same name and type are the same."""
+
+    name: str
+    type: str
+    encoding: str = field(default="cdr", compare=False)
+    definition: str = field(default="", compare=False)  # of the type, in .msg form, if known
+
+    def __str__(self) -> str:
+        return f"{self.name} ({self.type})"
+
+
+@dataclass(frozen=True)
+class Block:
+    """Messages of one topic: the i-th, received at `received[i]` ns, is data[starts[i]:ends[i]]."""
+
+    topic: Topic
+    received: Integers
+    data: Bytes
+    starts: Integers
+    ends: Integers
+
+    @classmethod
+    def of(cls, topic: Topic, received: Sequence[int], messages: Sequence[bytes]) -> Block:
+        """Put messages side by side."""
+        ends = np.cumsum([len(message) for message in messages], dtype=np.int64)
+        data = np.frombuffer(b"".join(messages), dtype=np.uint8)
+        starts = np.append(np.int64(0), ends[:-1])
+        return cls(topic, np.array(received, dtype=np.int64), data, starts, ends)
+
+    def __len__(self) -> int:
+        return len(self.received)
+
+    def message(self, index: int) -> bytes:
+        """One serialized message."""
+        return self.data[self.starts[index] : self.ends[index]].tobytes()
+
+    def bytes_at(self, offsets: Integers, rows: Integers) -> Bytes:
+        """The bytes at `offsets` of the messages `rows`, shape (rows, offsets)."""
+        found: Bytes = self.data[self.starts[rows, None] + offsets]
+        return found
+
+
+class StorageFile(Protocol):
+    """One file of a bag."""
+
+    topics: tuple[Topic, ...]
+
+    @property
+    def damage(self) -> str | None:
+        """What could not be read, once all blocks were."""
+        ...
+
+    def blocks(self, topics: Collection[Topic]) -> Iterator[Block]:
+        """The messages of some topics, those of each near the order of receipt."""
+        ...
+
+    def close(self) -> None:
+        """Let go of the file."""
+        ...

@@ -1,0 +1,84 @@
+"""Numbers out of serialized messages, thousands at once.
+
+The messages of a topic nearly always share one layout. It is worked out for the first of a block,
+the others are compared with it, and the numbers are read from all that agree in a few array
+operations; a message that differs is worked out by itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from rosbags.interfaces.typing import Typesdict
+
+from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.signals import Array
+from microgripper_control.recordings.bag import Bag
+from microgripper_control.recordings.layout import Layout, LayoutError, Place, types_of
+from microgripper_control.recordings.storage import Block, Integers, Topic
+
+# Picks the numbers that are wanted out of a layout; None, read as NaN, where one may be missing.
+Pick = Callable[[Layout], Sequence[Place | None]]
+
+
+def topic_values(bag: Bag, topic: Topic, pick: Pick) -> tuple[Integers, Array]:
+    """The times of receipt, ns, and the numbers that `pick` wants of every message of a topic.
+
+    Shapes (messages,) and (messages, numbers), in order of receipt; (0,) and (0, 0) of a topic
+    without messages. MicrogripperError, with the index of the message, where one is damaged or
+    lacks a number.
+    """
+    received: list[Integers] = []
+    values: list[Array] = []
+    count = 0
+    try:
+        types = types_of(topic)
+        for block in bag.blocks([topic]):
+            received.append(block.received)
+            values.append(block_values(block, types, pick, count))
+            count += len(block)
+    except LayoutError as error:
+        raise MicrogripperError(f"{bag.path}: topic {topic} {error}") from None
+    if not count:
+        return np.empty(0, np.int64), np.empty((0, 0))
+    times = np.concatenate(received)
+    order = np.argsort(times, kind="stable")
+    return times[order], np.concatenate(values)[order]
+
+
+def block_values(block: Block, types: Typesdict, pick: Pick, before: int) -> Array:
+    """The numbers of one block; `before` it came so many messages."""
+
+    def work_out(index: int) -> tuple[Layout, Sequence[Place | None]]:
+        try:
+            layout = Layout.of(block.message(index), block.topic.type, types)
+            return layout, pick(layout)
+        except LayoutError as error:
+            raise LayoutError(f"in message {before + index} {error}") from None
+
+    layout, places = work_out(0)
+    values = np.full((len(block), len(places)), np.nan)
+    alike = _sharing(block, layout)
+    _fill(values, block, np.flatnonzero(alike), places)
+    for index in np.flatnonzero(~alike):
+        _, places = work_out(int(index))
+        _fill(values, block, np.array([index]), places)
+    return values
+
+
+def _sharing(block: Block, layout: Layout) -> np.ndarray:
+    """Which messages have the layout of the first, shape (messages,), boolean."""
+    alike = block.ends - block.starts >= layout.size
+    rows = np.flatnonzero(alike)
+    fixed = block.bytes_at(np.array(layout.fixed), rows)
+    alike[rows] = np.all(fixed == fixed[0], axis=1)
+    return alike
+
+
+def _fill(values: Array, block: Block, rows: Integers, places: Sequence[Place | None]) -> None:
+    for column, place in enumerate(places):
+        if place is not None:
+            width = np.arange(np.dtype(place.dtype).itemsize)
+            raw = block.bytes_at(place.offset + width, rows)
+            values[rows, column] = raw.view(place.dtype)[:, 0]

@@ -1,0 +1,207 @@
+"""The readable part with a warning, or one clear line: never a traceback, never silent loss."""
+
+from __future__ import annotations
+
+import shutil
+import sqlite3
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.recording import Recording
+from microgripper_control.recordings.bag import Bag
+from microgripper_control.recordings.read import read_recording
+from microgripper_control.recordings.write import STORAGES, BagWriter, write_bag
+
+COUNT = 200
+RECORDING = Recording(
+    "run",
+    1e-3,
+    np.arange(COUNT) + 1.0,
+    1e-9 * (np.arange(COUNT) + 1.0),
+    1e-9 * (np.arange(COUNT) + 2.0),
+)
+
+
+@pytest.fixture(scope="module", params=STORAGES)
+def bag(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("bags") / "run"
+    write_bag(path, RECORDING, request.param)
+    return path
+
+
+def storage_file(bag: Path) -> Path:
+    (file,) = [file for file in bag.iterdir() if file.suffix in (".mcap", ".db3")]
+    return file
+
+
+def damaged(bag: Path, folder: Path, content: bytes) -> Path:
+    """A copy of the bag with another storage file."""
+    copy = folder / "run"
+    if not copy.exists():
+        shutil.copytree(bag, copy)
+    storage_file(copy).write_bytes(content)
+    return copy
+
+
+def recording_or_complaint(path: Path) -> Recording | None:
+    """None if there is one clear line instead."""
+    try:
+        return read_recording(path)
+    except MicrogripperError as error:
+        line = str(error)
+    assert "\n" not in line
+    assert str(path) in line
+    return None
+
+
+def complaint(path: Path) -> str:
+    with pytest.raises(MicrogripperError) as caught:
+        read_recording(path)
+    assert "\n" not in str(caught.value)
+    assert str(path) in str(caught.value)
+    return str(caught.value)
+
+
+def test_a_bag_cut_off_anywhere(bag: Path, tmp_path: Path) -> None:
+    whole = storage_file(bag).read_bytes()
+    readable = []
+    for cut in [*range(0, len(whole), 307), len(whole) - 1]:
+        path = damaged(bag, tmp_path, whole[:cut])
+        recording = recording_or_complaint(path)
+        if recording is None:
+            continue
+        count = len(recording)
+        readable.append(count)
+        assert np.array_equal(recording.voltage, RECORDING.voltage[:count])
+        assert recording.displacement is not None
+        assert RECORDING.displacement is not None
+        assert np.array_equal(recording.displacement, RECORDING.displacement[:count])
+        assert any(storage_file(path).name in warning for warning in recording.warnings)
+        lost = f"/microgripper/joint_states: {count} of {COUNT} messages are there"
+        assert (lost in recording.warnings) == (count < COUNT)
+    assert readable == sorted(readable)
+    # MCAP's messages are the file; SQLite's tables come first, then the messages in pages of 4 KiB.
+    assert len(readable) * 307 > 0.5 * len(whole)
+    assert readable[-1] >= COUNT - 25
+
+
+@settings(
+    deadline=None, max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(data=st.data())
+def test_bytes_that_changed(bag: Path, tmp_path: Path, data: st.DataObject) -> None:
+    content = bytearray(storage_file(bag).read_bytes())
+    for _ in range(data.draw(st.integers(1, 4))):
+        content[data.draw(st.integers(0, len(content) - 1))] = data.draw(st.integers(0, 255))
+    recording_or_complaint(damaged(bag, tmp_path, bytes(content)))
+
+
+@pytest.mark.parametrize(
+    "content", [b"", b"\0" * 5000, b"text", b"\x89MCAP0\r\n", b"SQLite format 3\0"]
+)
+def test_a_storage_file_that_is_none(bag: Path, tmp_path: Path, content: bytes) -> None:
+    complaint(damaged(bag, tmp_path, content))
+
+
+def test_a_file_system_that_lost_the_end(bag: Path, tmp_path: Path) -> None:
+    """After a power cut the length may be there and the content not."""
+    whole = storage_file(bag).read_bytes()
+    half = 4096 * (len(whole) // 4096 * 3 // 4)
+    recording = read_recording(damaged(bag, tmp_path, whole[:half] + b"\0" * (len(whole) - half)))
+    count = len(recording)
+    assert 20 < count < COUNT
+    assert np.array_equal(recording.voltage, RECORDING.voltage[:count])
+    assert recording.warnings
+
+
+def test_metadata_cut_off_anywhere(bag: Path, tmp_path: Path) -> None:
+    path = damaged(bag, tmp_path, storage_file(bag).read_bytes())
+    whole = (path / "metadata.yaml").read_bytes()
+    for cut in range(0, len(whole) - 1, 37):
+        (path / "metadata.yaml").write_bytes(whole[:cut])
+        recording = read_recording(path)
+        assert np.array_equal(recording.voltage, RECORDING.voltage)
+        assert recording.warnings == (
+            "metadata.yaml is missing or damaged; the storage files were read",
+        )
+
+
+def test_without_metadata(bag: Path, tmp_path: Path) -> None:
+    path = damaged(bag, tmp_path, storage_file(bag).read_bytes())
+    (path / "metadata.yaml").unlink()
+    assert len(read_recording(path)) == COUNT
+
+
+def test_without_the_listed_file(bag: Path, tmp_path: Path) -> None:
+    path = damaged(bag, tmp_path, b"x")
+    name = storage_file(path).name
+    storage_file(path).unlink()
+    assert complaint(path) == f"{path}: metadata.yaml lists {name}: not there"
+
+
+def test_messages_that_were_never_committed(bag: Path, tmp_path: Path) -> None:
+    """The storage file is whole, but has less than the metadata says."""
+    path = damaged(bag, tmp_path, storage_file(bag).read_bytes())
+    metadata = path / "metadata.yaml"
+    metadata.write_text(
+        metadata.read_text().replace(f"- message_count: {COUNT}", "- message_count: 900")
+    )
+    assert read_recording(path).warnings == (
+        f"/microgripper/joint_states: {COUNT} of 900 messages are there",
+        f"/microgripper/setpoint: {COUNT} of 900 messages are there",
+    )
+
+
+def test_a_path_in_the_metadata_does_not_lead_out(bag: Path, tmp_path: Path) -> None:
+    path = damaged(bag, tmp_path, storage_file(bag).read_bytes())
+    metadata = path / "metadata.yaml"
+    name = storage_file(path).name
+    shutil.move(storage_file(path), tmp_path / name)
+    metadata.write_text(metadata.read_text().replace(f"- {name}", f"- ../{name}"))
+    assert f"lists {name}: not there" in complaint(path)
+
+
+@pytest.mark.parametrize("storage", STORAGES)
+def test_a_recorder_that_was_killed_after_a_flush(tmp_path: Path, storage: str) -> None:
+    """What the files hold after a flush is all that a killed process leaves."""
+    write_bag(tmp_path / "whole", RECORDING, storage)
+    with BagWriter(tmp_path / "run", storage) as writer:
+        copy_messages(tmp_path / "whole", writer, 150)
+        writer.flush()
+        shutil.copytree(tmp_path / "run", tmp_path / "killed")
+        before = {file.name: file.read_bytes() for file in (tmp_path / "killed").iterdir()}
+    recording = read_recording(tmp_path / "killed")
+    assert np.array_equal(recording.voltage, RECORDING.voltage[:150])
+    assert len(recording.warnings) == 2
+    assert "not closed" in recording.warnings[1]
+    after = {file.name: file.read_bytes() for file in (tmp_path / "killed").iterdir()}
+    assert after == before, "reading changed the recording"
+    assert read_recording(tmp_path / "run").warnings == ()
+
+
+def copy_messages(source: Path, writer: BagWriter, samples: int) -> None:
+    with Bag(source) as bag:
+        for topic in bag.topics:
+            writer.add_topic(topic.name, topic.type)
+        for index, (topic, at, content) in enumerate(bag.messages(bag.topics)):
+            if index == 2 * samples:
+                return
+            writer.write(topic.name, at, content)
+
+
+def test_folders_and_files_that_are_no_bags(tmp_path: Path) -> None:
+    assert "is not a rosbag2: no metadata.yaml and no .mcap or .db3 file" in complaint(tmp_path)
+    (tmp_path / "old.bag").write_bytes(b"#ROSBAG V2.0\n")
+    assert "is a bag of ROS 1; convert it with rosbags-convert" in complaint(tmp_path / "old.bag")
+    (tmp_path / "a.mcap").write_bytes(b"")
+    assert "is empty" in complaint(tmp_path / "a.mcap")
+    (tmp_path / "b.mcap").write_bytes(b"something else")
+    assert "is neither MCAP nor SQLite: not a rosbag2" in complaint(tmp_path / "b.mcap")
+    sqlite3.connect(tmp_path / "c.db3").execute("CREATE TABLE notes (text)").connection.close()
+    assert "is an SQLite file but no rosbag2" in complaint(tmp_path / "c.db3")
+    assert "does not exist" in complaint(tmp_path / "d")

@@ -1,0 +1,213 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bag_messages import (
+    COUNT,
+    FLOAT64,
+    JOINT_STATE,
+    PERIOD,
+    STORE,
+    complaint,
+    float64,
+    joint_state,
+    samples,
+    write,
+)
+from rosbags.rosbag2 import CompressionMode
+
+from microgripper_control.core.recording import Recording
+from microgripper_control.recordings.bag import Bag
+from microgripper_control.recordings.mapping import Mapping
+from microgripper_control.recordings.read import read_recording
+from microgripper_control.recordings.write import STORAGES, BagWriter, write_bag
+
+
+@pytest.mark.parametrize("storage", STORAGES)
+@pytest.mark.parametrize("start", [0.0, 1.7e9])
+def test_what_was_written_is_read(tmp_path: Path, storage: str, start: float) -> None:
+    rng = np.random.default_rng(3)
+    voltage, displacement, setpoint = rng.standard_normal((3, 500))
+    setpoint[:4] = np.nan
+    recording = Recording("run", 1 / 750, voltage, displacement, setpoint, start)
+    write_bag(tmp_path / "run", recording, storage)
+    (file,) = [file for file in (tmp_path / "run").iterdir() if file.name != "metadata.yaml"]
+    for path in (tmp_path / "run", file):
+        found = read_recording(path)
+        assert found.name == str(path)
+        assert found.sample_period == pytest.approx(1 / 750, rel=1e-9)
+        assert found.start == start
+        assert np.array_equal(found.voltage, voltage)
+        assert np.array_equal(found.displacement, displacement)
+        assert np.array_equal(found.setpoint, setpoint, equal_nan=True)
+        assert found.warnings == ()
+
+
+@pytest.mark.parametrize("storage", STORAGES)
+def test_blocks_are_put_together(
+    tmp_path: Path, storage: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Far more messages than are read at a time."""
+    monkeypatch.setattr("microgripper_control.recordings.mcap.RECORDS_AT_ONCE", 7)
+    monkeypatch.setattr("microgripper_control.recordings.sqlite.ROWS_AT_ONCE", 7)
+    recording = Recording("run", 1e-3, np.arange(100.0), np.arange(100.0), np.arange(100.0))
+    write_bag(tmp_path / "run", recording, storage)
+    found = read_recording(tmp_path / "run")
+    assert np.array_equal(found.voltage, recording.voltage)
+    assert np.array_equal(found.setpoint, recording.setpoint)
+
+
+@pytest.mark.parametrize(
+    ("storage", "compression"),
+    [
+        ("mcap", CompressionMode.FILE),
+        ("mcap", CompressionMode.MESSAGE),
+        ("mcap", CompressionMode.STORAGE),
+        ("sqlite3", CompressionMode.FILE),
+        ("sqlite3", CompressionMode.MESSAGE),
+    ],
+)
+def test_compressed_bags(tmp_path: Path, storage: str, compression: CompressionMode) -> None:
+    path = write(tmp_path / "run", samples(), storage, compression)
+    assert np.array_equal(read_recording(path).voltage, np.arange(float(COUNT)))
+    (file,) = [file for file in path.iterdir() if file.name != "metadata.yaml"]
+    file.write_bytes(file.read_bytes()[:-3000])
+    if compression is not CompressionMode.STORAGE:  # which is read like a plain file
+        assert "cannot be read: " in complaint(path)
+
+
+@pytest.mark.parametrize(
+    "topic", ["/joint_states", "/microgripper/joint_states", "/a/b/joint_states"]
+)
+def test_any_namespace(tmp_path: Path, topic: str) -> None:
+    path = write(tmp_path / "run", [*samples(topic=topic), *samples(topic="/other_joint_states")])
+    recording = read_recording(path)
+    assert np.array_equal(recording.voltage, np.arange(float(COUNT)))
+    assert recording.setpoint is None
+
+
+def test_time_is_the_stamp_not_the_receipt(tmp_path: Path) -> None:
+    """In lockstep a second of the rig passes in less than one."""
+    sent = [
+        joint_state(k * PERIOD // 3 + k % 2 * 1000, [0.0], [float(k)], stamp=10**9 + k * PERIOD)
+        for k in range(COUNT)
+    ]
+    recording = read_recording(write(tmp_path / "run", sent))
+    assert (recording.sample_period, recording.start) == (1e-3, 1.0)
+    assert recording.warnings == ()
+
+
+def test_without_stamps_the_receipt_will_do(tmp_path: Path) -> None:
+    sent = [joint_state(k * PERIOD, [0.0], [float(k)], stamp=0) for k in range(COUNT)]
+    recording = read_recording(write(tmp_path / "run", sent))
+    assert recording.sample_period == 1e-3
+    assert recording.warnings == (
+        "/joint_states carries no stamps: the times of receipt were used",
+    )
+
+
+def test_the_finger_is_found_by_name(tmp_path: Path) -> None:
+    sent = [
+        joint_state(k * PERIOD, [9.0, 1e-6 * k], [9.0, float(k)], names=["wrist", "finger"])
+        for k in range(COUNT)
+    ]
+    path = write(tmp_path / "run", sent)
+    assert np.array_equal(read_recording(path).voltage, np.arange(float(COUNT)))
+    other = read_recording(path, Mapping.parse(["voltage=joint_states:effort[0]"]))
+    assert np.array_equal(other.voltage, np.full(COUNT, 9.0))
+    sent = [joint_state(k * PERIOD, [0.0, 0.0], [0.0, 0.0], names=["a", "b"]) for k in range(COUNT)]
+    assert "has the joints a, b, no 'finger'; choose one, as effort[0]" in complaint(
+        write(tmp_path / "no finger", sent)
+    )
+
+
+def test_the_only_joint_may_have_any_name(tmp_path: Path) -> None:
+    sent = [joint_state(k * PERIOD, [0.0], [float(k)], names=["jaw"]) for k in range(COUNT)]
+    assert np.array_equal(
+        read_recording(write(tmp_path / "run", sent)).voltage, np.arange(float(COUNT))
+    )
+
+
+def test_a_setpoint_belongs_to_the_sample_before_it(tmp_path: Path) -> None:
+    """The newest before the next sample answers; whether it came at once or late."""
+    sent = samples()
+    sent += [
+        float64(k * PERIOD + 300_000, "/setpoint", float(k)) for k in range(2, COUNT) if k != 5
+    ]
+    sent.append(float64(4 * PERIOD + 999_999, "/setpoint", 4.5))
+    setpoint = read_recording(write(tmp_path / "run", sent)).setpoint
+    expected = np.arange(float(COUNT))
+    expected[:2] = np.nan
+    expected[4:6] = 4.5
+    assert np.array_equal(setpoint, expected, equal_nan=True)
+
+
+def test_a_setpoint_in_the_last_moment(tmp_path: Path) -> None:
+    """Received at the very time of the next sample, it is an answer to that one."""
+    sent = [*samples(), *(float64((k + 1) * PERIOD, "/setpoint", float(k)) for k in range(COUNT))]
+    setpoint = read_recording(write(tmp_path / "run", sent)).setpoint
+    assert setpoint is not None
+    assert np.isnan(setpoint[0])
+    assert np.array_equal(setpoint[1:-1], np.arange(COUNT - 2.0))
+    assert setpoint[-1] == COUNT - 1.0
+
+
+def test_a_setpoint_that_nobody_sent(tmp_path: Path) -> None:
+    """A recorder announces the topic whether or not there is a `reference`."""
+    with BagWriter(tmp_path / "run") as bag:
+        bag.add_topic("/setpoint", FLOAT64)
+        bag.add_topic("/joint_states", JOINT_STATE)
+        for one in samples():
+            bag.write(one.topic, one.at, bytes(STORE.serialize_cdr(one.message, one.kind)))
+    recording = read_recording(tmp_path / "run")
+    assert recording.setpoint is None
+    assert recording.warnings == ()
+    assert "/setpoint (std_msgs/msg/Float64) holds no messages" in complaint(
+        tmp_path / "run", "setpoint=/setpoint"
+    )
+
+
+def test_a_split_bag_is_read_in_its_order(tmp_path: Path) -> None:
+    whole = samples()
+    for part in range(4):
+        write(tmp_path / f"part_{part}", whole[10 * part : 10 * part + 10])
+    bag = tmp_path / "run"
+    bag.mkdir()
+    for part in range(4):
+        (tmp_path / f"part_{part}" / f"part_{part}.mcap").rename(bag / f"run_{part + 8}.mcap")
+    recording = read_recording(bag)
+    assert np.array_equal(recording.voltage, np.arange(float(COUNT)))
+    assert recording.warnings == (
+        "metadata.yaml is missing or damaged; the storage files were read",
+    )
+
+
+def test_a_bad_part_of_a_split_bag_is_told(tmp_path: Path) -> None:
+    bag = write(tmp_path / "run", samples())
+    (bag / "metadata.yaml").unlink()
+    (bag / "run_1.mcap").write_bytes(b"")
+    recording = read_recording(bag)
+    assert np.array_equal(recording.voltage, np.arange(float(COUNT)))
+    assert f"{bag / 'run_1.mcap'}: is empty" in recording.warnings
+    (bag / "run.mcap").write_bytes(b"")
+    assert "run.mcap: is empty" in complaint(bag)
+
+
+def test_messages_in_order_of_receipt(tmp_path: Path) -> None:
+    sent = [*samples(), *(float64(k * PERIOD + 5, "/setpoint", 1.0) for k in range(COUNT))]
+    for storage in STORAGES:
+        path = write(tmp_path / storage, sent, storage)
+        with Bag(path) as bag:
+            assert [str(topic) for topic in bag.topics] == [
+                f"/joint_states ({JOINT_STATE})",
+                f"/setpoint ({FLOAT64})",
+            ]
+            found = list(bag.messages(bag.topics))
+            assert [row[1] for row in found] == sorted(one.at for one in sent)
+            assert [row[0].name for row in found[:4]] == ["/joint_states", "/setpoint"] * 2
+            topic, at, content = found[-1]
+            assert (at, topic.type) == ((COUNT - 1) * PERIOD + 5, FLOAT64)
+            assert STORE.deserialize_cdr(content, FLOAT64) == STORE.types[FLOAT64](1.0)
+            assert len(list(bag.messages(bag.topics[1:]))) == COUNT

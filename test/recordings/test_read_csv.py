@@ -1,0 +1,154 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.recording import Recording
+from microgripper_control.recordings.mapping import Mapping
+from microgripper_control.recordings.read import read_recording
+from microgripper_control.recordings.write import write_csv
+
+COUNT = 50
+HEADER = "time_s,voltage_V,displacement_m"
+ROWS = [f"{0.001 * k:.3f},{k},{1e-8 * k:.3e}" for k in range(COUNT)]
+VOLTAGE = np.arange(COUNT, dtype=float)
+
+
+def write(folder: Path, *lines: str) -> Path:
+    path = folder / "run.csv"
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return path
+
+
+def complaint(path: Path, *maps: str) -> str:
+    with pytest.raises(MicrogripperError) as caught:
+        read_recording(path, Mapping.parse(maps))
+    assert "\n" not in str(caught.value)
+    assert str(caught.value).startswith(f"{path}: ")
+    return str(caught.value)
+
+
+def test_what_was_written_is_read(tmp_path: Path) -> None:
+    rng = np.random.default_rng(3)
+    voltage, displacement, setpoint = rng.standard_normal((3, COUNT))
+    setpoint[:4] = np.nan
+    recording = Recording("run", 1 / 750, voltage, displacement, setpoint, start=12.5)
+    write_csv(tmp_path / "run.csv", recording)
+    found = read_recording(tmp_path / "run.csv")
+    assert found.name == str(tmp_path / "run.csv")
+    assert found.sample_period == pytest.approx(1 / 750, rel=1e-11)
+    assert found.start == 12.5
+    assert np.array_equal(found.voltage, voltage)
+    assert np.array_equal(found.displacement, displacement)
+    assert np.array_equal(found.setpoint, setpoint, equal_nan=True)
+    assert found.warnings == ()
+
+
+def test_columns_in_any_order_and_further_ones(tmp_path: Path) -> None:
+    rows = [f"note {k},{1e-8 * k},{0.001 * k:.3f}, {k}" for k in range(COUNT)]
+    path = write(tmp_path, "remark, displacement_m ,time_s,voltage_V", *rows)
+    recording = read_recording(path)
+    assert np.array_equal(recording.voltage, VOLTAGE)
+    assert recording.sample_period == 0.001
+    assert recording.setpoint is None
+
+
+@pytest.mark.parametrize("mark", [";", "\t"])
+def test_other_separators(tmp_path: Path, mark: str) -> None:
+    path = write(tmp_path, HEADER.replace(",", mark), *(row.replace(",", mark) for row in ROWS))
+    assert np.array_equal(read_recording(path).voltage, VOLTAGE)
+
+
+def test_what_spreadsheets_write(tmp_path: Path) -> None:
+    """A byte order mark, quotes, carriage returns, an empty line, a setpoint left out."""
+    rows = [f'"{0.001 * k}","{k}",{1e-8 * k},{k if k > 2 else ""}\r' for k in range(COUNT)]
+    path = write(tmp_path, f"\ufeff{HEADER},setpoint_m\r", *rows, "\r")
+    recording = read_recording(path)
+    assert np.array_equal(recording.voltage, VOLTAGE)
+    assert recording.setpoint is not None
+    assert np.isnan(recording.setpoint[:3]).all()
+    assert recording.setpoint[3] == 3.0
+
+
+def test_names_in_a_foreign_encoding_do_no_harm(tmp_path: Path) -> None:
+    path = tmp_path / "run.csv"
+    rows = "\n".join(f"{row},1" for row in ROWS)
+    path.write_bytes(f"{HEADER},Weg [µm]\n{rows}\n".encode("latin-1"))
+    assert np.array_equal(read_recording(path).voltage, VOLTAGE)
+
+
+def test_columns_of_other_people(tmp_path: Path) -> None:
+    rows = [f"{k},{k},{0.01 * k}" for k in range(COUNT)]
+    path = write(tmp_path, "t/ms,amp:in,gauge [um]", *rows)
+    maps = ["time=t/ms*1e-3", "voltage=amp:in*20", "displacement=gauge [um]*1e-6"]
+    recording = read_recording(path, Mapping.parse(maps))
+    assert recording.sample_period == 0.001
+    assert np.array_equal(recording.voltage, 20.0 * VOLTAGE)
+    assert recording.displacement == pytest.approx(1e-8 * VOLTAGE)
+
+
+def test_a_recording_of_the_voltage_alone(tmp_path: Path) -> None:
+    path = write(tmp_path, "time_s,voltage_V", *(row.rsplit(",", 1)[0] for row in ROWS))
+    assert read_recording(path, needs_displacement=False).displacement is None
+    assert "no column 'displacement_m'" in complaint(path)
+
+
+def test_missing_rows_are_told(tmp_path: Path) -> None:
+    path = write(tmp_path, HEADER, *ROWS[:20], *ROWS[23:])
+    recording = read_recording(path)
+    assert len(recording) == COUNT
+    assert recording.warnings[0].startswith("missing samples: 3")
+
+
+def test_wrong_columns_are_listed_with_the_remedy(tmp_path: Path) -> None:
+    path = write(tmp_path, "time_s,force_N,displacement_m", *ROWS)
+    assert complaint(path) == (
+        f"{path}: no column 'voltage_V'; it has time_s, force_N, displacement_m; "
+        "choose one with --map voltage=COLUMN"
+    )
+    assert "no column 'f'" in complaint(path, "voltage=f")
+    assert "no column 'r'" in complaint(path, "voltage=force_N", "setpoint=r")
+
+
+@pytest.mark.parametrize(
+    ("lines", "expected"),
+    [
+        ([], "is empty; expected a header such as time_s,voltage_V,displacement_m"),
+        ([HEADER], "0 samples; at least 10 are needed"),
+        ([HEADER, *ROWS[:9]], "9 samples; at least 10 are needed"),
+        (ROWS, "line 1 has numbers where the names of the columns should be"),
+        ([f"{HEADER},voltage_V", *ROWS], "2 columns are named 'voltage_V'"),
+        ([HEADER, *ROWS[:7], "0.007,off,1", *ROWS[8:]], "line 9: 'off' in column 'voltage_V'"),
+        ([HEADER, *ROWS[:7], "0.007,,1", *ROWS[8:]], "line 9: '' in column 'voltage_V'"),
+        ([HEADER, *ROWS[:7], "0.007,1", *ROWS[8:]], "line 9: 2 cells, none in column"),
+        ([HEADER, *ROWS[:7], "0.007,nan,1", *ROWS[8:]], "voltage is nan at sample 7"),
+        ([HEADER, *ROWS[:7], "0.007,1,-inf", *ROWS[8:]], "displacement is -inf at sample 7"),
+        ([HEADER, *ROWS[:7], "inf,1,1", *ROWS[8:]], "time is inf at sample 7"),
+        ([HEADER, *ROWS, *ROWS], "time runs backwards at sample 50, from 0.049 s to 0 s"),
+        ([HEADER, "s,V,m", *ROWS], "line 2: 's' in column 'time_s' is not a number"),
+    ],
+)
+def test_bad_input_gets_one_clear_line(tmp_path: Path, lines: list[str], expected: str) -> None:
+    assert expected in complaint(write(tmp_path, *lines))
+
+
+@pytest.mark.parametrize("content", [b"\0\1\2\3" * 100, b"\xff\xfe" + HEADER.encode("utf-16-le")])
+def test_what_is_no_text(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "run.csv"
+    path.write_bytes(content)
+    assert "is neither a rosbag2 nor a CSV in UTF-8" in complaint(path)
+
+
+def test_a_file_that_is_not_there(tmp_path: Path) -> None:
+    assert "does not exist" in complaint(tmp_path / "no.csv")
+
+
+def test_a_csv_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
+    recording = Recording("run", 1e-3, VOLTAGE)
+    with pytest.raises(MicrogripperError, match="cannot be written"):
+        write_csv(Path("/dev/null/run.csv"), recording)
+    write_csv(tmp_path / "out" / "run.csv", recording)
+    assert [file.name for file in (tmp_path / "out").iterdir()] == ["run.csv"]

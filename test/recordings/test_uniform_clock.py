@@ -1,0 +1,187 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.recording import Recording
+from microgripper_control.core.signals import Array
+from microgripper_control.recordings.clock import Samples, on_uniform_clock
+
+PERIOD = 1e-3
+COUNT = 2000
+TIME = PERIOD * np.arange(COUNT)
+
+
+def voltage_at(time: Array) -> Array:
+    """A staircase of 10 ms steps."""
+    return 10.0 * np.floor(time / 0.01 + 1e-6)
+
+
+def displacement_at(time: Array) -> Array:
+    """10 um at 1 Hz."""
+    return 1e-5 * np.sin(2.0 * np.pi * time)
+
+
+def read(time: Array, *, when: Array | None = None, setpoint: bool = False) -> Recording:
+    """What becomes of samples taken at `when` but stamped `time`."""
+    when = time if when is None else when
+    wanted = 2.0 * displacement_at(when) if setpoint else None
+    samples = Samples(time, voltage_at(when), displacement_at(when), wanted, origin=100.0)
+    return on_uniform_clock("run", samples)
+
+
+def test_uniform_samples_stay_as_they_are() -> None:
+    recording = read(TIME, setpoint=True)
+    assert recording.sample_period == PERIOD
+    assert recording.start == 100.0
+    assert np.array_equal(recording.voltage, voltage_at(TIME))
+    assert np.array_equal(recording.displacement, displacement_at(TIME))
+    assert np.array_equal(recording.setpoint, 2.0 * displacement_at(TIME))
+    assert recording.warnings == ()
+
+
+@pytest.mark.parametrize(
+    ("rate", "digits"), [(750.0, 9), (750.0, 4), (5000.0, 6), (60.0, 3), (44100.0, 6), (3000.0, 4)]
+)
+def test_stamps_of_limited_digits_are_uniform(rate: float, digits: int) -> None:
+    ticks = np.arange(5000) / rate
+    recording = read(np.round(ticks, digits), when=ticks)
+    assert recording.warnings == ()
+    assert np.array_equal(recording.displacement, displacement_at(ticks))
+    assert recording.sample_period == pytest.approx(1.0 / rate, rel=10.0**-digits)
+
+
+def test_small_jitter_of_the_stamps_is_no_jitter_of_the_samples() -> None:
+    jitter = 0.005 * PERIOD * np.random.default_rng(1).standard_normal(COUNT)
+    recording = read(TIME + jitter, when=TIME)
+    assert recording.warnings == ()
+    assert np.array_equal(recording.displacement, displacement_at(TIME))
+    assert recording.sample_period == pytest.approx(PERIOD, rel=1e-6)
+
+
+def test_large_jitter_is_resampled() -> None:
+    jitter = 0.2 * PERIOD * np.random.default_rng(1).uniform(-1.0, 1.0, COUNT)
+    time = TIME + jitter
+    recording = read(time - time[0])
+    (warning,) = recording.warnings
+    assert "unequally spaced" in warning
+    assert "resampled" in warning
+    assert len(recording) == pytest.approx(COUNT, abs=2)
+    at = recording.time - recording.start
+    assert recording.displacement == pytest.approx(displacement_at(at), abs=1e-10)
+    # A step is taken over at the nearest instant, half a period away at most.
+    assert np.mean(recording.voltage != voltage_at(at)) < 0.06
+    assert np.all(np.abs(recording.voltage - voltage_at(at)) <= 10.0)
+
+
+def test_resampling_a_slowly_drifting_clock_meets_the_instants() -> None:
+    """Spacing that grows from 1 to 1.5 ms over the run."""
+    time = np.cumsum(np.linspace(1e-3, 1.5e-3, COUNT)) - 1e-3
+    recording = read(time)
+    at = recording.time - recording.start
+    assert recording.displacement == pytest.approx(displacement_at(at), abs=2e-10)
+    assert at[-1] == pytest.approx(time[-1], abs=1.5e-3)
+    assert len(recording.warnings) == 1
+
+
+def test_missing_samples_are_filled_in_and_the_others_kept() -> None:
+    present = np.ones(COUNT, bool)
+    present[[7, 500, 501, 502, 1200]] = False
+    recording = read(TIME[present], setpoint=True)
+    (warning,) = recording.warnings
+    assert warning.startswith("missing samples: 5, the longest gap is 0.004 s after sample 498")
+    assert len(recording) == COUNT
+    assert recording.sample_period == PERIOD
+    assert recording.displacement is not None
+    assert np.array_equal(recording.displacement[present], displacement_at(TIME[present]))
+    assert recording.displacement[501] == pytest.approx(displacement_at(TIME[501]), abs=1e-10)
+    assert np.array_equal(recording.voltage[500:503], np.full(3, voltage_at(TIME[499])))
+    assert recording.setpoint is not None
+    assert recording.setpoint[500] == recording.setpoint[499]
+
+
+@pytest.mark.parametrize("lost", [1, 20, 1000, 1980, 1998])
+def test_one_missing_sample_is_found_wherever_it_is(lost: int) -> None:
+    recording = read(np.delete(TIME, lost))
+    assert len(recording) == COUNT
+    assert recording.displacement == pytest.approx(displacement_at(TIME), abs=1e-10)
+    assert recording.warnings[0].startswith("missing samples: 1, the longest gap is 0.002 s")
+
+
+def test_a_late_stamp_is_no_missing_sample() -> None:
+    time = TIME.copy()
+    time[1000] += 0.6 * PERIOD
+    recording = read(time, when=TIME)
+    assert np.array_equal(recording.voltage, voltage_at(TIME))
+    assert recording.warnings == ("late stamps: 1, by up to 0.0006 s; taken as on time",)
+
+
+@pytest.mark.parametrize("lost", [[], [300, 301, 1700]])
+def test_a_program_that_stalls_and_catches_up_loses_nothing(lost: list[int]) -> None:
+    """Twenty samples are stamped when the stall is over, 0.05 of a period apart."""
+    time = TIME.copy()
+    time[1000:1020] = TIME[1019] + 0.05 * PERIOD * np.arange(20)
+    present = np.ones(COUNT, bool)
+    present[lost] = False
+    recording = read(time[present], when=TIME[present])
+    assert len(recording) == COUNT
+    assert recording.displacement is not None
+    assert np.array_equal(recording.displacement[present], displacement_at(TIME[present]))
+    assert recording.warnings[0].startswith("late stamps: 20, by up to 0.019 s")
+    assert len(recording.warnings) == 1 + bool(lost)
+
+
+def test_repeated_stamps_are_dropped() -> None:
+    time = np.insert(TIME, [100, 900], TIME[[99, 899]])
+    recording = read(time)
+    assert recording.warnings == ("repeated stamps: 2; the samples were dropped",)
+    assert np.array_equal(recording.displacement, displacement_at(TIME))
+
+
+def test_stamps_since_1970_keep_their_nanoseconds() -> None:
+    samples = Samples(TIME, voltage_at(TIME), origin=1.7e9)
+    recording = on_uniform_clock("run", samples, ("cut off",))
+    assert recording.sample_period == PERIOD
+    assert recording.start == 1.7e9
+    assert recording.warnings == ("cut off",)
+
+
+def test_time_that_runs_backwards_is_an_error() -> None:
+    time = TIME.copy()
+    time[700:] -= 0.5
+    with pytest.raises(MicrogripperError, match=r"run: .* backwards at sample 700, from 0\.699 s"):
+        read(time)
+
+
+@pytest.mark.parametrize("quantity", ["time", "voltage", "displacement"])
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_what_is_not_finite_is_an_error(quantity: str, value: float) -> None:
+    columns = {"time": TIME, "voltage": voltage_at(TIME), "displacement": displacement_at(TIME)}
+    columns[quantity] = columns[quantity].copy()
+    columns[quantity][[42, 50]] = value
+    with pytest.raises(MicrogripperError, match=rf"run: {quantity} is {value} at sample 42"):
+        on_uniform_clock("run", Samples(**columns))
+
+
+def test_too_few_digits_are_an_error() -> None:
+    with pytest.raises(MicrogripperError, match="write time with more digits"):
+        read(np.floor(TIME * 300.0) / 300.0)
+
+
+def test_a_recording_that_is_mostly_gaps_is_an_error() -> None:
+    time = TIME.copy()
+    time[1500:] += 1e7
+    with pytest.raises(MicrogripperError, match=r"longest gap is 1e\+07 s after sample 1499; cut"):
+        read(time)
+
+
+@pytest.mark.parametrize("count", [0, 1, 9])
+def test_too_few_samples_are_an_error(count: int) -> None:
+    with pytest.raises(MicrogripperError, match=f"run: {count} samples; at least 10 are needed"):
+        read(TIME[:count])
+
+
+def test_a_clock_that_stands_still_is_an_error() -> None:
+    with pytest.raises(MicrogripperError, match="repeat"):
+        read(np.zeros(100))
