@@ -27,7 +27,6 @@ def _group() -> None:
 
 
 BAD_INPUT = 2
-INTERRUPTED = 130
 
 
 def main() -> None:
@@ -37,6 +36,3 @@ def main() -> None:
     except MicrogripperError as error:
         print(f"microgripper: {error}", file=sys.stderr)
         sys.exit(BAD_INPUT)
-    except KeyboardInterrupt:
-        print("microgripper: interrupted", file=sys.stderr)
-        sys.exit(INTERRUPTED)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import least_squares, minimize
@@ -116,14 +116,14 @@ def _free_parameters(model: Model) -> tuple[tuple[Key, ...], tuple[Undetermined,
 
 def _simplex(problem: Problem) -> tuple[Array, Problem]:
     """Nelder-Mead on the parameters alone, each recording's initial h as the start has it."""
-    nuisances = [
-        fit_nuisance(problem.model, recording, problem.conditions)
+    model = problem.model
+    initial = [
+        fit_nuisance(model, recording, problem.conditions).initial_hysteresis
         for recording in problem.recordings
     ]
-    model = problem.model
     if set(GRID_KEYS) <= set(problem.free) and model.value("bouc_wen", "n") == 1.0:
-        model, nuisances = better_start(model, problem.recordings, problem.conditions, nuisances)
-    start = problem.point(model, nuisances)
+        model, initial = better_start(problem, initial)
+    start = problem.point(model, initial)
     count = len(problem.free)
     low, high = problem.bounds
 
@@ -171,10 +171,9 @@ def _errors(problem: Problem, z: Array) -> Array:
 
 def _extended(problem: Problem, z: Array, extra: Sequence[Key]) -> tuple[Problem, Array]:
     """The problem with more free parameters, and the same point in it."""
-    nuisances = problem.nuisances(z)
     model = problem.model_at(z)
-    wider = Problem(model, problem.recordings, problem.conditions, (*problem.free, *extra))
-    return wider, wider.point(model, nuisances)
+    wider = replace(problem, model=model, free=(*problem.free, *extra))
+    return wider, wider.point(model, problem.initial_hysteresis(z))
 
 
 def _add_dynamics(
@@ -215,8 +214,9 @@ def _drop_undetermined(
         error, key = max(open_ones)
         model = problem.model_at(z).with_values({key: nominal.value(*key)})
         rest = tuple(other for other in problem.free if other != key)
-        smaller = Problem(model, problem.recordings, problem.conditions, rest)
-        point = _least_squares(smaller, smaller.point(model, problem.nuisances(z)))
+        smaller = replace(problem, model=model, free=rest)
+        point = smaller.point(model, problem.initial_hysteresis(z))
+        point = _least_squares(smaller, point)
         if _rise(problem, z, smaller, point) > SIGNIFICANT_RISE:
             needed.add(key)
             continue
@@ -237,7 +237,7 @@ def _rise(problem: Problem, z: Array, smaller: Problem, point: Array) -> float:
 def _result(problem: Problem, z: Array, undetermined: tuple[Undetermined, ...]) -> Fit:
     variances = _variances(problem, z)
     samples = sum(len(recording) for recording in problem.recordings)
-    freedom = samples - len(z) - len(problem.recordings)
+    freedom = samples - len(z) - problem.eliminated
     model = problem.model_at(z)
     settings = {}
     for index, key in enumerate(problem.free):

@@ -1,7 +1,9 @@
-"""What belongs to a recording and not to the rig: its displacement zero and its initial hysteresis.
+"""What belongs to a recording and not to the rig.
 
-No input explains them, so they are fitted wherever a model is compared with a recording. The zero
-enters linearly and is solved for exactly; the initial h is found by a few Gauss-Newton steps.
+No input explains a recording's displacement zero, the h it starts with, the phase of a hum or the
+course of a drift, so they are fitted wherever a model is compared with a recording. All but the
+initial h enter linearly, as weights of known courses, and are solved for exactly; the initial h is
+found by a few Gauss-Newton steps.
 """
 
 from __future__ import annotations
@@ -13,6 +15,7 @@ from numpy.typing import NDArray
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
+from microgripper_control.effects.registry import registry
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.simulate import Hold, Initial, simulate
 
@@ -43,17 +46,36 @@ class Conditions:
         """
         return int(self.hold is Hold.ZERO and self.initial is Initial.FIRST_SAMPLE)
 
+    def answered(self, length: int) -> Mask:
+        """The samples of a recording that its voltage explains, shape (length,)."""
+        return np.arange(length) >= self.unanswered
+
 
 @dataclass(frozen=True)
 class Nuisance:
-    """One recording's own values, m."""
+    """One recording's own values: its initial h, m, and the weight of each of its courses, m."""
 
-    offset: float = 0.0
     initial_hysteresis: float = 0.0
+    weights: tuple[float, ...] = ()
+
+    @property
+    def offset(self) -> float:
+        """The zero, m: the first course is constant unless the model freezes it."""
+        return self.weights[0] if self.weights else 0.0
+
+
+def courses(model: Model, recording: Recording) -> Array:
+    """What the weights multiply, shape (p, n): the zero, unless frozen, then each link's own."""
+    time = recording.sample_period * np.arange(len(recording))
+    rows: list[Array] = []
+    if "sensor_zero" not in model.settings:
+        rows.append(np.ones((1, len(recording))))
+    rows += [registry()[name].courses(model.values(name), time) for name in model.settings]
+    return np.concatenate([np.zeros((0, len(recording))), *rows])
 
 
 def response(model: Model, recording: Recording, conditions: Conditions, h: float) -> Array:
-    """The model's displacement for a recording's voltage, m, shape (n,), before the offset."""
+    """The model's displacement for a recording's voltage, m, shape (n,), without its courses."""
     return simulate(
         model,
         recording.voltage,
@@ -69,7 +91,10 @@ def predict(
 ) -> Array:
     """The model's prediction of a recording's displacement, m, shape (n,)."""
     free = response(model, recording, conditions, nuisance.initial_hysteresis)
-    return free + nuisance.offset
+    if not nuisance.weights:
+        return free
+    own: Array = np.array(nuisance.weights) @ courses(model, recording)
+    return free + own
 
 
 def largest_hysteresis(model: Model, recording: Recording) -> float:
@@ -78,40 +103,52 @@ def largest_hysteresis(model: Model, recording: Recording) -> float:
     return 3.0 * alpha * d * float(np.max(np.abs(recording.voltage)))
 
 
+@dataclass(frozen=True)
+class Projection:
+    """Removes from a signal what its courses could explain; `basis` (n, p) is orthonormal."""
+
+    basis: Array
+
+    @classmethod
+    def off(cls, shapes: Array) -> Projection:
+        """The projection off courses of shape (p, n)."""
+        basis: Array = np.linalg.qr(shapes.T)[0]
+        return cls(basis)
+
+    def __call__(self, signal: Array) -> Array:
+        """What is left of a signal of shape (n,)."""
+        left: Array = signal - self.basis @ (self.basis.T @ signal)
+        return left
+
+
 def fit_nuisance(
-    model: Model,
-    recording: Recording,
-    conditions: Conditions,
-    used: Mask | None = None,
-    start: Nuisance | None = None,
+    model: Model, recording: Recording, conditions: Conditions, used: Mask | None = None
 ) -> Nuisance:
     """Least-squares nuisance values on the samples `used` (shape (n,), all if None).
 
     Deterministic: a fixed number of steps from a fixed start, so whoever repeats it gets the same.
     """
-    measured = recording.measured
-    mask = np.ones(len(recording), bool) if used is None else used.copy()
-    mask[: conditions.unanswered] = False
-    found = start or Nuisance()
-    offset_frozen = "sensor_zero" in model.settings
+    mask = conditions.answered(len(recording))
+    if used is not None:
+        mask &= used
+    shapes = courses(model, recording)[:, mask]
+    without = Projection.off(shapes)
+    found = Nuisance()
     bound = largest_hysteresis(model, recording)
     if not conditions.knows_initial_hysteresis and bound > 0.0:
         for _ in range(GAUSS_NEWTON_STEPS):
             h = found.initial_hysteresis
             base = response(model, recording, conditions, h)
             probe = PROBE * bound
-            slope = (response(model, recording, conditions, h + probe) - base)[mask] / probe
-            error = (measured - base)[mask]
-            if not offset_frozen:
-                slope, error = slope - slope.mean(), error - error.mean()
+            moved = response(model, recording, conditions, h + probe)
+            slope = without((moved - base)[mask]) / probe
+            error = without((recording.measured - base)[mask])
             power = float(slope @ slope)
             step = float(slope @ error) / power if power > 0.0 else 0.0
-            h = min(bound, max(-bound, h + step))
-            found = replace(found, initial_hysteresis=h)
-    if offset_frozen:
-        return found
+            found = replace(found, initial_hysteresis=min(bound, max(-bound, h + step)))
     base = response(model, recording, conditions, found.initial_hysteresis)
-    return replace(found, offset=float(np.mean((measured - base)[mask])))
+    weights, *_ = np.linalg.lstsq(shapes.T, (recording.measured - base)[mask], rcond=None)
+    return replace(found, weights=tuple(map(float, weights)))
 
 
 def blocks(length: int, odd: bool) -> Mask:

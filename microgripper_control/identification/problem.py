@@ -1,7 +1,8 @@
 """The least-squares problem: free parameters and nuisances in, residuals and Jacobian out.
 
 A point is a vector z: first the free parameters, each divided by its scale, then the initial h of
-each recording where it is unknown. Offsets are linear and are eliminated from every residual.
+each recording where it is unknown. The weights of a recording's courses are linear: they are
+eliminated from every residual by projection (variable projection, Golub and Pereyra 1973).
 """
 
 from __future__ import annotations
@@ -17,7 +18,10 @@ from microgripper_control.core.signals import Array
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.nuisance import (
     Conditions,
+    Mask,
     Nuisance,
+    Projection,
+    courses,
     largest_hysteresis,
     response,
 )
@@ -28,12 +32,29 @@ DIFFERENCE = 1e-5  # step of the finite differences, in units of the scale
 
 @dataclass(frozen=True)
 class Problem:
-    """Fit the parameters `free` of `model` to `recordings`, each of which has a displacement."""
+    """Fit the parameters `free` of `model` to `recordings`, each of which has a displacement.
+
+    Of each recording only the samples in `used` count, a mask per recording; None counts all.
+    """
 
     model: Model
     recordings: Sequence[Recording]
     conditions: Conditions
     free: tuple[Key, ...]
+    used: Sequence[Mask] | None = None
+
+    @cached_property
+    def masks(self) -> list[Mask]:
+        """The samples of each recording that count."""
+        masks = [self.conditions.answered(len(recording)) for recording in self.recordings]
+        if self.used is not None:
+            masks = [mask & used for mask, used in zip(masks, self.used, strict=True)]
+        return masks
+
+    @property
+    def eliminated(self) -> int:
+        """How many weights of courses are solved for besides z."""
+        return sum(len(courses(self.model, recording)) for recording in self.recordings)
 
     @cached_property
     def scales(self) -> Array:
@@ -62,13 +83,12 @@ class Problem:
         high = np.array([p.high for p in declared]) / self.scales
         return np.append(low, np.full(count, -1.0)), np.append(high, np.full(count, 1.0))
 
-    def point(self, model: Model, nuisances: Sequence[Nuisance]) -> Array:
-        """The z of a model and its recordings' nuisances."""
+    def point(self, model: Model, initial_hysteresis: Sequence[float]) -> Array:
+        """The z of a model and the h that each recording starts with, m."""
         values = np.array([model.value(*key) for key in self.free]) / self.scales
         if not len(self.hysteresis_scales):
             return values
-        initial = np.array([nuisance.initial_hysteresis for nuisance in nuisances])
-        return np.append(values, initial / self.hysteresis_scales)
+        return np.append(values, np.array(initial_hysteresis) / self.hysteresis_scales)
 
     def model_at(self, z: Array) -> Model:
         """The model at a point."""
@@ -79,30 +99,31 @@ class Problem:
             values[key] = float(min(declared.high, max(declared.low, size * scale)))
         return self.model.with_values(values)
 
-    def initial_hysteresis(self, z: Array, index: int) -> float:
-        """h at the first sample of a recording, m."""
+    def initial_hysteresis(self, z: Array) -> list[float]:
+        """h at the first sample of each recording, m."""
         if not len(self.hysteresis_scales):
-            return 0.0
-        return float(z[len(self.free) + index] * self.hysteresis_scales[index])
+            return [0.0] * len(self.recordings)
+        return [float(h) for h in z[len(self.free) :] * self.hysteresis_scales]
 
     def nuisances(self, z: Array) -> list[Nuisance]:
         """The nuisance values of each recording at a point."""
         model = self.model_at(z)
         found = []
-        for index, recording in enumerate(self.recordings):
-            h = self.initial_hysteresis(z, index)
-            error = self._error(model, recording, h)
-            found.append(Nuisance(self._offset(error), h))
+        for index, h in enumerate(self.initial_hysteresis(z)):
+            shapes = courses(model, self.recordings[index])[:, self.masks[index]]
+            weights, *_ = np.linalg.lstsq(shapes.T, self._error(model, index, h), rcond=None)
+            found.append(Nuisance(h, tuple(map(float, weights))))
         return found
 
     def residuals(self, z: Array) -> Array:
         """Measured minus predicted of all recordings, m, shape (samples,)."""
+        return np.concatenate(self.split_residuals(z))
+
+    def split_residuals(self, z: Array) -> list[Array]:
+        """The same, recording by recording."""
         model = self.model_at(z)
-        parts = []
-        for index, recording in enumerate(self.recordings):
-            error = self._error(model, recording, self.initial_hysteresis(z, index))
-            parts.append(self._without_offset(error))
-        return np.concatenate(parts)
+        initial = self.initial_hysteresis(z)
+        return [self._residual(model, index, h) for index, h in enumerate(initial)]
 
     def jacobian(self, z: Array) -> Array:
         """Derivative of the residuals by z, shape (samples, len(z)), by forward differences."""
@@ -114,28 +135,42 @@ class Problem:
             step = DIFFERENCE if z[index] + DIFFERENCE <= high[index] else -DIFFERENCE
             shifted[index] += step
             columns[:, index] = (self.residuals(shifted) - base) / step
+        model, initial = self.model_at(z), self.initial_hysteresis(z)
         start = 0
-        model = self.model_at(z)
-        for index, recording in enumerate(self.recordings):
-            stop = start + len(recording)
-            if len(self.hysteresis_scales):
-                h = self.initial_hysteresis(z, index) + DIFFERENCE * self.hysteresis_scales[index]
-                moved = self._without_offset(self._error(model, recording, h))
-                column = len(self.free) + index
-                columns[start:stop, column] = (moved - base[start:stop]) / DIFFERENCE
-            start = stop
+        for index, scale in enumerate(self.hysteresis_scales):
+            moved = self._residual(model, index, initial[index] + DIFFERENCE * scale)
+            part = slice(start, start + len(moved))
+            columns[part, len(self.free) + index] = (moved - base[part]) / DIFFERENCE
+            start = part.stop
         return columns
 
-    def _offset(self, error: Array) -> float:
-        """The zero that fits best, m; 0 where the model freezes it."""
-        if "sensor_zero" in self.model.settings:
-            return 0.0
-        return float(np.mean(error[self.conditions.unanswered :]))
+    def _error(self, model: Model, index: int, h: float) -> Array:
+        recording = self.recordings[index]
+        error = recording.measured - response(model, recording, self.conditions, h)
+        return error[self.masks[index]]
 
-    def _error(self, model: Model, recording: Recording, h: float) -> Array:
-        return recording.measured - response(model, recording, self.conditions, h)
+    def _residual(self, model: Model, index: int, h: float) -> Array:
+        return self._projection(model, index)(self._error(model, index, h))
 
-    def _without_offset(self, error: Array) -> Array:
-        residual = error - self._offset(error)
-        residual[: self.conditions.unanswered] = 0.0
-        return residual
+    def _projection(self, model: Model, index: int) -> Projection:
+        """Kept while the courses stay as they are."""
+        settings = {n: s for n, s in model.settings.items() if n in self._with_courses}
+        kept = self._projections.get(index)
+        if kept is None or kept[0] != settings:
+            shapes = courses(model, self.recordings[index])[:, self.masks[index]]
+            kept = settings, Projection.off(shapes)
+            self._projections[index] = kept
+        return kept[1]
+
+    @cached_property
+    def _projections(self) -> dict[int, tuple[object, Projection]]:
+        return {}
+
+    @cached_property
+    def _with_courses(self) -> set[str]:
+        moments = np.zeros(2)
+        return {
+            name
+            for name in self.model.settings
+            if len(registry()[name].courses(self.model.values(name), moments))
+        }

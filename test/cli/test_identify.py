@@ -65,7 +65,8 @@ def test_json_is_for_machines(
     result = json.loads(done.out)
     gain = result["parameters"]["gain"]
     assert gain["unit"] == "m/V"
-    assert gain["low"] < 1.4447e-7 * 5e7 / (5e7 + 8.2e5) < gain["high"]
+    assert gain["low"] < gain["value"] < gain["high"]
+    assert gain["value"] == pytest.approx(1.4447e-7 * 5e7 / (5e7 + 8.2e5), rel=1e-3)
     assert result["recordings"][0]["rmse_m"] == pytest.approx(15e-9, rel=0.1)
 
 

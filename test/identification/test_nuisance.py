@@ -38,6 +38,16 @@ def test_a_frozen_zero_is_left_alone() -> None:
     assert found.initial_hysteresis == pytest.approx(4e-7, rel=1e-6)
 
 
+def test_the_course_of_a_hum_and_a_drift_belongs_to_the_recording() -> None:
+    clean = recording()
+    time = 1e-3 * np.arange(len(clean))
+    own = 3e-7 * np.sin(2.0 * np.pi * 50.0 * time + 1.1) + 4e-7 * time
+    noisy = Recording("run", 1e-3, VOLTAGE.copy(), clean.measured + own)
+    model = nominal_model().with_link("mains_hum", frequency=50.0).with_link("thermal_drift")
+    prediction, counted = heldout_prediction(model, noisy, Conditions())
+    assert np.max(np.abs((noisy.measured - prediction)[counted])) < 2e-9
+
+
 def test_blocks_alternate_and_share_every_sample_once() -> None:
     odd, even = blocks(1003, odd=True), blocks(1003, odd=False)
     assert np.all(odd ^ even)

@@ -1,0 +1,65 @@
+"""`microgripper paper`: every table and figure of the paper, recomputed."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+from microgripper_control.cli.options import JsonOption
+
+
+def paper(
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Where the results go.")],
+    json_: JsonOption = False,
+) -> None:
+    """Recompute the paper's tables and figures beside its own values."""
+    # python-control imports matplotlib, which takes a second: not for the other commands.
+    from microgripper_control.paper.reproduction import STAGES, reproduce
+    from microgripper_control.report.paper_chapters import CHAPTERS
+    from microgripper_control.report.paper_page import write_report
+
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("", total=STAGES + CHAPTERS)
+
+        def progress(stage: str) -> None:
+            bar.update(task, description=stage, advance=1)
+
+        result = reproduce(progress)
+        page = write_report(result, out, progress)
+    rows = result.rows()
+    if json_:
+        content = {
+            "schema": "microgripper-paper/1",
+            "page": str(page),
+            "rows": [
+                {
+                    "where": row.where,
+                    "quantity": row.what,
+                    "unit": row.unit,
+                    "paper": row.paper,
+                    "here": row.ours,
+                    "relative_difference": row.difference,
+                    "remark": row.remark,
+                }
+                for row in rows
+            ],
+            "slips": result.slips(),
+        }
+        typer.echo(json.dumps(content))
+        return
+    compared = [row for row in rows if row.difference is not None]
+    near = sum(abs(row.difference or 0.0) < NEAR for row in compared)
+    typer.echo(
+        f"{len(rows)} quantities, {len(compared)} with a printed value, {near} of those within "
+        f"{100.0 * NEAR:g} %; {len(result.slips())} slips"
+    )
+    typer.echo(f"written: {page}")
+
+
+NEAR = 0.02  # relative difference

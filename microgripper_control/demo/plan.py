@@ -1,0 +1,79 @@
+"""What the demo does: the rig, the controller's imperfect model of it, and the setpoints."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from microgripper_control.control.setpoints import Sequence, make_setpoint
+from microgripper_control.core.files import written_whole
+from microgripper_control.core.share import share_folder
+from microgripper_control.plant.model import Key, Model
+from microgripper_control.plant.model_file import load_model, save_model
+
+MODES = ("feedforward", "pid", "cascade")
+SAMPLE_PERIOD = 1e-3  # s
+NOISE = 15e-9  # m
+# The controller's model is off by as much as a careless identification: every parameter by 10 %.
+MISTUNED: dict[Key, float] = {
+    ("bouc_wen", "d"): 0.9,
+    ("bouc_wen", "alpha"): 1.1,
+    ("bouc_wen", "beta"): 0.9,
+    ("bouc_wen", "gamma"): 1.1,
+    ("second_order", "m"): 1.1,
+    ("second_order", "b"): 0.9,
+    ("second_order", "k"): 1.1,
+    ("second_order", "k_s"): 0.9,
+}
+# After the first cycle a piezo no longer returns to zero: the warm-up brings it there, and the
+# setpoints that count stay above what is left at 0 V.
+WARM_UP = "warm-up"
+LOW, HIGH = 3e-6, 15e-6  # m
+SEGMENTS: dict[str, dict[str, Any]] = {
+    WARM_UP: {"shape": "triangle", "length": 2.0, "low": 0.0, "high": 17e-6, "frequency": 0.5},
+    "staircase": {
+        "shape": "staircase",
+        "length": 6.0,
+        "low": LOW,
+        "high": HIGH,
+        "steps": 6.0,
+        "hold": 0.5,
+    },
+    "triangle": {"shape": "triangle", "length": 3.0, "low": LOW, "high": HIGH, "frequency": 1.0},
+    "sine": {"shape": "sine", "length": 4.0, "low": LOW, "high": HIGH, "frequency": 1.0},
+}
+
+
+def true_model() -> Model:
+    """The rig that is simulated: the paper's actuator."""
+    return load_model(share_folder() / "config" / "apa120s.yaml")
+
+
+def controllers_model() -> Model:
+    """What the controller believes, and identification starts from."""
+    truth = true_model()
+    return truth.with_values({key: truth.value(*key) * f for key, f in MISTUNED.items()})
+
+
+def course() -> Sequence:
+    """The setpoints of one run, m."""
+    parts = []
+    for name, segment in SEGMENTS.items():
+        values = {key: value for key, value in segment.items() if key not in ("shape", "length")}
+        parts.append((make_setpoint(segment["shape"], values, name), segment["length"]))
+    return Sequence(tuple(parts))
+
+
+def write_settings(folder: Path) -> tuple[Path, Path, Path]:
+    """Write the rig's model, the controller's model and the reference's parameters; their paths."""
+    rig, believed, reference = (
+        folder / name for name in ("rig.yaml", "controller_model.yaml", "reference.yaml")
+    )
+    save_model(true_model(), rig)
+    save_model(controllers_model(), believed)
+    parameters = {"segments": list(SEGMENTS), **SEGMENTS}
+    with written_whole(reference) as file:
+        yaml.safe_dump({"/**": {"ros__parameters": parameters}}, file, sort_keys=False)
+    return rig, believed, reference

@@ -1,0 +1,136 @@
+"""Nodes as processes of their own, and no process left behind.
+
+They run with the same interpreter, in a DDS domain of their own that does not leave this machine: a
+demo must never move somebody's real gripper. Each is in a session of its own, so that Ctrl-C
+reaches the demo alone, which then ends them in order.
+"""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from types import TracebackType
+
+from microgripper_control.core.errors import MicrogripperError
+
+DOMAINS = range(1, 102)  # those whose ports no client's own port can take
+PATIENCE = 20.0  # s, for a node to end when asked
+POLL = 0.02  # s
+LOG_LINES = 3  # of a failed node's log, in the error
+
+
+class Node:
+    """One running node; `log` is what it prints."""
+
+    def __init__(self, name: str, words: Sequence[str], log: Path, env: dict[str, str]) -> None:
+        self.name = name
+        self.log = log
+        module = f"microgripper_control.nodes.{name}"
+        with log.open("wb") as output:
+            self._process = subprocess.Popen(
+                [sys.executable, "-m", module, *words],
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                env=env,
+                start_new_session=True,
+            )
+
+    @property
+    def status(self) -> int | None:
+        """Exit status; None while it runs."""
+        return self._process.poll()
+
+    def ask_to_end(self) -> None:
+        """Send SIGINT."""
+        if self.status is None:
+            self._process.send_signal(signal.SIGINT)
+
+    def end(self) -> None:
+        """Ask it to end and wait; kill it if it does not."""
+        self.ask_to_end()
+        try:
+            self._process.wait(PATIENCE)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+
+    def check(self) -> None:
+        """Raise MicrogripperError, with the end of its log, if it ended with an error."""
+        if self.status:
+            text = self.log.read_text(encoding="utf-8", errors="replace")
+            said = " | ".join(text.strip().splitlines()[-LOG_LINES:])
+            raise MicrogripperError(f"node {self.name} ended with status {self.status}: {said}")
+
+
+class Nodes:
+    """A set of running nodes; leaving the context ends all of them."""
+
+    def __init__(self, log_folder: Path) -> None:
+        log_folder.mkdir(parents=True, exist_ok=True)
+        self._logs = log_folder
+        self._running: list[Node] = []
+        self._env = {
+            **os.environ,
+            "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+            "ROS_DOMAIN_ID": str(random.choice(DOMAINS)),
+            "ROS_LOG_DIR": str(log_folder / "ros"),
+        }
+
+    def __enter__(self) -> Nodes:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        # The last started depend on the first: the plant goes last.
+        for node in reversed(self._running):
+            node.end()
+
+    def start(self, name: str, *files: Path, label: str = "", **parameters: object) -> Node:
+        """Start a node with parameters and parameter files."""
+        words = ["--ros-args"]
+        for file in files:
+            words += ["--params-file", str(file)]
+        for key, value in parameters.items():
+            words += ["-p", f"{key}:={_literal(value)}"]
+        node = Node(name, words, self._logs / f"{label or name}.log", self._env)
+        self._running.append(node)
+        return node
+
+    def wait_for(self, node: Node, timeout: float) -> None:
+        """Wait until a node ends by itself; an error if it, or another one, fails."""
+        deadline = time.monotonic() + timeout
+        while node.status is None:
+            for other in self._running:
+                other.check()
+            if time.monotonic() > deadline:
+                raise MicrogripperError(
+                    f"node {node.name} did not end within {timeout:g} s; see {node.log}"
+                )
+            time.sleep(POLL)
+        node.check()
+
+    def end(self, node: Node) -> None:
+        """End one node now; an error if it fails at that."""
+        node.end()
+        node.check()
+        self._running.remove(node)
+
+
+def _literal(value: object) -> str:
+    """A parameter's value as rcl parses it: YAML."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(map(_literal, value)) + "]"
+    return str(value)

@@ -1,0 +1,78 @@
+"""The demo's figure and page."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from microgripper_control.core.recording import Recording
+from microgripper_control.demo.tracking import Tracking
+from microgripper_control.identification.fit import Fit
+from microgripper_control.identification.nuisance import Conditions, predict
+from microgripper_control.report.figures import FOURTH, MEASURED, SIMULATED, THIRD, figure, label
+from microgripper_control.report.page import Page
+
+COLOURS = {"feedforward": THIRD, "pid": FOURTH, "cascade": SIMULATED}
+MICRO = 1e6
+MOST_POINTS = 4000  # of a drawn line
+HISTOGRAM = 5.0  # half its width, in standard deviations
+
+
+def draw_loop(path: Path, recording: Recording, found: Fit) -> None:
+    """Hysteresis loop, measured and by the identified model, and what is between them."""
+    prediction = predict(found.model, recording, Conditions(), found.nuisances[0])
+    every = slice(None, None, max(1, len(recording) // MOST_POINTS))
+    with figure(path, (8.0, 3.6)) as drawn:
+        loop, rest = drawn.subplots(1, 2)
+        voltage = recording.voltage[every]
+        loop.plot(
+            voltage, MICRO * recording.measured[every], color=MEASURED, lw=1, label="recorded"
+        )
+        loop.plot(voltage, MICRO * prediction[every], "--", color=SIMULATED, lw=0.8, label="model")
+        loop.legend()
+        label(loop, "voltage (V)", "displacement (µm)", "Hysteresis, recorded and identified")
+        error = 1e9 * (recording.measured - prediction)
+        reach = HISTOGRAM * float(np.std(error))
+        rest.hist(error, bins=np.linspace(-reach, reach, 81), color=MEASURED)
+        label(rest, "recorded minus model (nm)", "samples", "What the model leaves")
+
+
+def draw_tracking(path: Path, recording: Recording, parts: Sequence[Tracking]) -> None:
+    """Setpoint and displacement of each mode over one another, and their differences."""
+    assert recording.setpoint is not None
+    modes = list(dict.fromkeys(part.mode for part in parts))
+    with figure(path, (8.0, 5.5)) as drawn:
+        course, error = drawn.subplots(2, 1, sharex=True, height_ratios=(3, 2))
+        for mode in modes:
+            own = [part for part in parts if part.mode == mode]
+            span = slice(own[0].start, own[-1].stop)
+            time = recording.sample_period * np.arange(span.stop - span.start)
+            wanted, reached = recording.setpoint[span], recording.measured[span]
+            if mode == modes[0]:
+                course.plot(time, MICRO * wanted, color=MEASURED, lw=1.6, label="setpoint")
+            course.plot(time, MICRO * reached, color=COLOURS[mode], lw=0.8, label=mode)
+            error.plot(time, MICRO * (wanted - reached), color=COLOURS[mode], lw=0.8, label=mode)
+        course.legend(ncols=4, loc="lower center", bbox_to_anchor=(0.5, 1.05))
+        label(course, "", "displacement (µm)", "Tracking")
+        label(error, "time (s)", "setpoint minus\ndisplacement (µm)")
+        error.set_ylim(-1.0, 1.0)
+
+
+def write_demo_page(
+    path: Path,
+    sentences: Sequence[str],
+    tables: Sequence[tuple[str, Sequence[str], Sequence[Sequence[str]]]],
+    figures: Sequence[tuple[Path, str]],
+) -> None:
+    """The page of the demo: what happened, the tables as printed, the figures."""
+    page = Page("A simulated microgripper, controlled, recorded and identified")
+    for sentence in sentences:
+        page.paragraph(sentence)
+    for title, header, rows in tables:
+        page.heading(title)
+        page.table(header, rows)
+    for png, caption in figures:
+        page.figure(png, caption)
+    page.write(path)
