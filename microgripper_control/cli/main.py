@@ -8,7 +8,9 @@ import typer
 
 from microgripper_control.cli.demo import demo
 from microgripper_control.cli.identify import identify
+from microgripper_control.cli.paper import paper
 from microgripper_control.cli.simulate import simulate
+from microgripper_control.cli.stiffness import stiffness
 from microgripper_control.core.errors import MicrogripperError
 
 app = typer.Typer(
@@ -17,7 +19,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (identify, simulate, demo):
+for command in (identify, simulate, stiffness, paper, demo):
     app.command(no_args_is_help=command is not demo)(command)
 
 

@@ -4,13 +4,19 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from microgripper_control.cli.options import JsonOption
+from microgripper_control.core.files import make_folder
+
+if TYPE_CHECKING:
+    from microgripper_control.paper.reproduction import Reproduction
+
+NEAR = 0.02  # relative difference
 
 
 def paper(
@@ -23,6 +29,7 @@ def paper(
     from microgripper_control.report.paper_chapters import CHAPTERS
     from microgripper_control.report.paper_page import write_report
 
+    make_folder(out)
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("", total=STAGES + CHAPTERS)
@@ -32,34 +39,31 @@ def paper(
 
         result = reproduce(progress)
         page = write_report(result, out, progress)
-    rows = result.rows()
     if json_:
-        content = {
-            "schema": "microgripper-paper/1",
-            "page": str(page),
-            "rows": [
-                {
-                    "where": row.where,
-                    "quantity": row.what,
-                    "unit": row.unit,
-                    "paper": row.paper,
-                    "here": row.ours,
-                    "relative_difference": row.difference,
-                    "remark": row.remark,
-                }
-                for row in rows
-            ],
-            "slips": result.slips(),
-        }
-        typer.echo(json.dumps(content))
+        typer.echo(json.dumps(_as_json(result) | {"page": str(page)}))
         return
-    compared = [row for row in rows if row.difference is not None]
-    near = sum(abs(row.difference or 0.0) < NEAR for row in compared)
+    rows = result.rows()
+    differences = [row.difference for row in rows if row.difference is not None]
+    near = sum(abs(difference) < NEAR for difference in differences)
     typer.echo(
-        f"{len(rows)} quantities, {len(compared)} with a printed value, {near} of those within "
+        f"{len(rows)} quantities, {len(differences)} with a printed value, {near} of those within "
         f"{100.0 * NEAR:g} %; {len(result.slips())} slips"
     )
     typer.echo(f"written: {page}")
 
 
-NEAR = 0.02  # relative difference
+def _as_json(result: Reproduction) -> dict[str, Any]:
+    """The table of agreement and the slips; units beside the values."""
+    rows = [
+        {
+            "where": row.where,
+            "quantity": row.what,
+            "unit": row.unit,
+            "paper": row.paper,
+            "here": row.ours,
+            "relative_difference": row.difference,
+            "remark": row.remark,
+        }
+        for row in result.rows()
+    ]
+    return {"schema": "microgripper-paper/1", "rows": rows, "slips": result.slips()}

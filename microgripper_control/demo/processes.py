@@ -13,9 +13,10 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
-from types import TracebackType
+from types import FrameType, TracebackType
 
 from microgripper_control.core.errors import MicrogripperError
 
@@ -93,8 +94,9 @@ class Nodes:
         trace: TracebackType | None,
     ) -> None:
         # The last started depend on the first: the plant goes last.
-        for node in reversed(self._running):
-            node.end()
+        with _interrupts_held_back():
+            for node in reversed(self._running):
+                node.end()
 
     def start(self, name: str, *files: Path, label: str = "", **parameters: object) -> Node:
         """Start a node with parameters and parameter files."""
@@ -103,8 +105,9 @@ class Nodes:
             words += ["--params-file", str(file)]
         for key, value in parameters.items():
             words += ["-p", f"{key}:={_literal(value)}"]
-        node = Node(name, words, self._logs / f"{label or name}.log", self._env)
-        self._running.append(node)
+        with _interrupts_held_back():  # else a process might run that is not in the list
+            node = Node(name, words, self._logs / f"{label or name}.log", self._env)
+            self._running.append(node)
         return node
 
     def wait_for(self, node: Node, timeout: float) -> None:
@@ -125,6 +128,24 @@ class Nodes:
         node.end()
         node.check()
         self._running.remove(node)
+
+
+@contextmanager
+def _interrupts_held_back() -> Iterator[None]:
+    """SIGINT and SIGTERM take effect at the end; a process started within takes its own."""
+    held: list[int] = []
+
+    def hold(number: int, frame: FrameType | None) -> None:
+        held.append(number)
+
+    before = {n: signal.signal(n, hold) for n in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        if held:
+            signal.raise_signal(held[0])
 
 
 def _literal(value: object) -> str:

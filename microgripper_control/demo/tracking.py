@@ -11,7 +11,9 @@ from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
 from microgripper_control.demo.plan import MODES, SEGMENTS, WARM_UP, course
 
-ALIKE = 1e-12  # m: a setpoint that was recorded is the one that was planned
+ALIKE = 0.03  # of the course's span: how far recorded setpoints may be from the planned, on average
+NEIGHBOURHOOD = 200  # samples: about the same course, shifted
+PROBES = 200  # samples of the course that are compared
 
 
 @dataclass(frozen=True)
@@ -47,20 +49,21 @@ def tracking(recording: Recording) -> list[Tracking]:
 def _find_course(recording: Recording, after: int) -> int:
     """The sample at or after `after` from which on the planned setpoints were recorded.
 
-    A run begins where a setpoint comes that the one before does not merely hold.
+    Where samples are missing the setpoints are held: alike means alike on the whole.
     """
     assert recording.setpoint is not None
-    setpoint = recording.setpoint
-    planned = course().samples(course().boundaries(recording.sample_period)[-1], 1e-3)
-    probes = np.linspace(0, len(planned) - 1, 50).astype(int)
-    last = len(setpoint) - len(planned)
-    for begin in range(after, last + 1):
-        if abs(setpoint[begin + 1] - planned[1]) > ALIKE:
-            continue
-        agrees = np.abs(setpoint[begin + probes] - planned[probes]) < ALIKE
-        if np.count_nonzero(agrees) > len(probes) // 2:
-            return begin
-    raise MicrogripperError(f"{recording.name}: the planned setpoints are not in it")
+    length = course().boundaries(recording.sample_period)[-1]
+    planned = course().samples(length, recording.sample_period)
+    begins = np.arange(after, len(recording) - length + 1)
+    apart = np.zeros(len(begins))
+    for probe in np.linspace(0, length - 1, PROBES).astype(int):
+        difference = np.abs(recording.setpoint[begins + probe] - planned[probe])
+        apart += np.minimum(np.nan_to_num(difference, nan=np.inf), np.ptp(planned)) / PROBES
+    near = np.flatnonzero(apart < ALIKE * np.ptp(planned))
+    if not len(near):
+        raise MicrogripperError(f"{recording.name}: the planned setpoints are not in it")
+    within = slice(near[0], near[0] + NEIGHBOURHOOD)
+    return after + int(near[0] + np.argmin(apart[within]))
 
 
 def _errors(setpoint: Array, displacement: Array) -> tuple[float, float]:

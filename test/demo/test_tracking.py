@@ -34,6 +34,16 @@ def test_each_mode_and_segment_has_its_planted_error() -> None:
         assert part.largest == pytest.approx(PLANTED[part.mode], rel=1e-6)
 
 
+def test_runs_are_found_although_samples_are_missing() -> None:
+    whole = recording()
+    assert whole.setpoint is not None
+    holed = whole.setpoint.copy()
+    for start in (701, 9000, 17_000, 40_000):
+        holed[start : start + 300] = holed[start - 1]
+    parts = tracking(Recording("bag", SAMPLE_PERIOD, whole.voltage, whole.measured, holed))
+    assert [part.start for part in parts] == [part.start for part in tracking(whole)]
+
+
 def test_a_run_that_is_missing_is_said_to_be() -> None:
     with pytest.raises(MicrogripperError, match="planned setpoints are not in it"):
         tracking(recording(MODES[:2]))

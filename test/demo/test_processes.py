@@ -1,0 +1,39 @@
+"""No process is lost, whenever the interrupt comes."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from pathlib import Path
+
+import pytest
+
+from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.demo import processes
+from microgripper_control.demo.processes import Node, Nodes
+
+
+def test_an_interrupt_while_a_process_starts_still_ends_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    started: list[Node] = []
+
+    def interrupted(*arguments: object) -> Node:
+        node = Node(*arguments)  # type: ignore[arg-type]
+        started.append(node)
+        os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(0.01)
+        return node
+
+    monkeypatch.setattr(processes, "Node", interrupted)
+    with pytest.raises(KeyboardInterrupt), Nodes(tmp_path) as nodes:
+        nodes.start("recorder", out=tmp_path / "bag")
+    assert [node.status is not None for node in started] == [True]
+
+
+def test_a_node_that_fails_is_named_with_what_it_said(tmp_path: Path) -> None:
+    with Nodes(tmp_path) as nodes:
+        node = nodes.start("plant_simulator", sample_rate=-1.0)
+        with pytest.raises(MicrogripperError, match=r"plant_simulator ended .*sample_rate"):
+            nodes.wait_for(node, 60.0)
