@@ -23,11 +23,6 @@ for command in (identify, simulate, stiffness, paper, demo):
     app.command(no_args_is_help=command is not demo)(command)
 
 
-@app.callback()
-def _group() -> None:
-    """Keep the commands' names even while there is only one of them."""
-
-
 BAD_INPUT = 2
 
 

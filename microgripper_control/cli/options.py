@@ -8,7 +8,6 @@ from typing import Annotated
 import typer
 
 from microgripper_control.core.recording import Recording
-from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.model_file import load_model
 from microgripper_control.plant.simulate import Hold, Initial
@@ -36,13 +35,8 @@ InitialOption = Annotated[
 JsonOption = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
 
 
-def conditions(hold: Hold, initial: Initial) -> Conditions:
-    """The conditions of the recordings from the options."""
-    return Conditions(hold, initial)
-
-
-def read_model(path: Path) -> Model:
-    """Read a model; what to know before it is trusted is said on standard error."""
+def load_rig(path: Path) -> Model:
+    """Load a model; what to know before it is trusted is said on standard error."""
     model = load_model(path)
     for warning in model.warnings:
         typer.echo(f"warning: {warning}", err=True)

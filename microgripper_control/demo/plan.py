@@ -31,18 +31,12 @@ MISTUNED: dict[Key, float] = {
 # setpoints that count stay above what is left at 0 V.
 WARM_UP = "warm-up"
 LOW, HIGH = 3e-6, 15e-6  # m
+SPAN = {"low": LOW, "high": HIGH}
 SEGMENTS: dict[str, dict[str, Any]] = {
     WARM_UP: {"shape": "triangle", "length": 2.0, "low": 0.0, "high": 17e-6, "frequency": 0.5},
-    "staircase": {
-        "shape": "staircase",
-        "length": 6.0,
-        "low": LOW,
-        "high": HIGH,
-        "steps": 6.0,
-        "hold": 0.5,
-    },
-    "triangle": {"shape": "triangle", "length": 3.0, "low": LOW, "high": HIGH, "frequency": 1.0},
-    "sine": {"shape": "sine", "length": 4.0, "low": LOW, "high": HIGH, "frequency": 1.0},
+    "staircase": {"shape": "staircase", "length": 6.5, "steps": 6.0, "hold": 0.5, **SPAN},
+    "triangle": {"shape": "triangle", "length": 3.0, "frequency": 1.0, **SPAN},
+    "sine": {"shape": "sine", "length": 4.0, "frequency": 1.0, **SPAN},
 }
 
 
