@@ -35,7 +35,7 @@ InitialOption = Annotated[
 JsonOption = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
 
 
-def load_rig(path: Path) -> Model:
+def read_model(path: Path) -> Model:
     """Load a model; what to know before it is trusted is said on standard error."""
     model = load_model(path)
     for warning in model.warnings:
