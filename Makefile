@@ -1,4 +1,5 @@
 # make demo   the gripper, simulated, controlled, recorded and identified; results in out/demo
+# make paper  every table and figure of the paper, recomputed; results in out/paper
 # make test   style, types and all tests
 # make clean  removes the environment and everything generated
 #
@@ -18,10 +19,13 @@ endif
 BIN := $(VENV)/bin
 INSTALLED := $(VENV)/installed
 
-.PHONY: demo test install clean
+.PHONY: demo paper test install clean
 
 demo: install
 	$(BIN)/microgripper demo --out out/demo
+
+paper: install
+	$(BIN)/microgripper paper --out out/paper
 
 test: install
 	$(BIN)/ruff check

@@ -9,6 +9,7 @@ NAME = "microgripper_control"
 # Each dependency has its line in package.xml too. The lower bounds are what Ubuntu 24.04, the home
 # of ROS 2 Jazzy, ships; its messages are compiled against numpy 1 and must not meet numpy 2 there.
 DEPENDENCIES = [
+    "control>=0.10,<0.11",  # transfer functions, margins and discretisation for the paper
     "joblib>=1.3,<2",  # tries candidates in parallel
     "matplotlib>=3.6,<4",  # every figure
     "numba>=0.59,<1",  # compiles the hot loops

@@ -21,6 +21,8 @@ ROOMS: dict[str, set[str]] = {
     "recordings": {"core"},
     "identification": {"core", "effects", "plant"},
     "diagnosis": {"core", "effects", "plant", "identification"},
+    "demo": {"core", "effects", "plant", "control", "identification", "recordings"},
+    "paper": {"core", "effects", "plant", "control", "identification"},
 }
 ROOMS["report"] = {*ROOMS}
 ROOMS["nodes"] = {*ROOMS}
@@ -28,6 +30,7 @@ ROOMS["cli"] = {*ROOMS} - {"nodes"}
 
 # Each of these is imported in one room alone.
 HOMES = {
+    "control": "paper",  # python-control: slow to import
     "matplotlib": "report",
     "rosbags": "recordings",
     "builtin_interfaces": "nodes",

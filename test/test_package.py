@@ -17,6 +17,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 # Where rosdep's name is not python3- and the name in the Python package index.
 ROSDEP_KEYS = {
+    "control": "python-control-pip",
     "PyYAML": "python3-yaml",
     "rosbags": "python3-rosbags-pip",
     "ruff": "python3-ruff-pip",
@@ -80,7 +81,7 @@ def test_the_wheels_of_ros_are_pinned(setup_arguments: dict[str, Any]) -> None:
 
 def test_everything_imported_is_a_declared_dependency(setup_arguments: dict[str, Any]) -> None:
     declared = setup_arguments["install_requires"] + setup_arguments["extras_require"]["ros"]
-    known = {key.removeprefix("python3-").removesuffix("-pip") for key in rosdep_keys(declared)}
+    known = {re.sub("^python3?-|-pip$", "", key) for key in rosdep_keys(declared)}
     imported: set[str] = set()
     for file in (ROOT / "microgripper_control").rglob("*.py"):
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):

@@ -12,6 +12,16 @@ from typing import TextIO
 from microgripper_control.core.errors import MicrogripperError
 
 
+def make_folder(path: str | Path) -> Path:
+    """Make a folder, with those above it, if it is not there; MicrogripperError if that fails."""
+    path = Path(path)
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise MicrogripperError(f"{path}: cannot be made: {error.strerror}") from None
+    return path
+
+
 @contextmanager
 def written_whole(path: str | Path) -> Iterator[TextIO]:
     """Yield a text file that takes its name only when it is complete and on disk.

@@ -8,6 +8,7 @@ from types import MappingProxyType
 
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.effects.base import Link
+from microgripper_control.effects.bouc_wen_behaviour import BehaviourClass, behaviour
 from microgripper_control.effects.registry import link_named, registry
 
 Key = tuple[str, str]  # link, parameter
@@ -78,6 +79,23 @@ class Model:
     def effects(self) -> tuple[str, ...]:
         """Names of the links beyond the paper's plant."""
         return tuple(name for name in self.settings if not registry()[name].nominal)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What to know before these values are trusted, one line each: show it on loading."""
+        found = behaviour(self.values("bouc_wen"))
+        low, high = self.voltage_range
+        if high - low <= found.safe_span:
+            return ()
+        where = f"{self.origin}: voltage: {low:g} .. {high:g} V"
+        if found.kind is BehaviourClass.RATCHETING:
+            return (f"{where}: bouc_wen with beta < 0 is {found.kind.value}; identify it again",)
+        turns = "the displacement turns against the voltage"
+        fault = "h grows to infinity" if found.safe_span == found.escape else turns
+        return (
+            f"{where}: with these alpha, beta and gamma {fault} in cycles wider than "
+            f"{found.safe_span:.1f} V; narrow the range or identify them again",
+        )
 
     def values(self, link: str) -> dict[str, float]:
         """The plain numbers of one link."""

@@ -62,8 +62,9 @@ def read_columns(path: Path, names: Sequence[str]) -> Array:
         header, delimiter = _read_header(path, ",".join(names))
         for name in names:
             if header.count(name) != 1:
+                count = header.count(name) or "no"
                 raise MicrogripperError(
-                    f"{path}: {header.count(name)} columns are named {name!r}, not one; "
+                    f"{path}: {count} columns named {name!r} where one is needed; "
                     f"it has {', '.join(header)}"
                 )
         return _read_numbers(path, header, delimiter, [header.index(name) for name in names])

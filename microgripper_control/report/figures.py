@@ -12,6 +12,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.rcsetup import cycler
 
+from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.files import make_folder
+
 MEASURED, SIMULATED, THIRD, FOURTH = "#1f4e79", "#d1495b", "#3a7d44", "#8d6a9f"
 STYLE: dict[Any, Any] = {
     "figure.dpi": 130,
@@ -27,14 +30,20 @@ STYLE: dict[Any, Any] = {
 
 @contextmanager
 def figure(path: Path, size: tuple[float, float] = (8.0, 4.5)) -> Iterator[Figure]:
-    """Yield an empty figure of `size` (inch) and save it as PNG under its final name."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}")
+    """Yield an empty figure of `size` (inch) and save it as PNG under its final name.
+
+    Raises MicrogripperError where the place cannot be written.
+    """
+    temporary = make_folder(path.parent) / f".{path.name}"
     with mpl.rc_context(STYLE):
         drawn = Figure(figsize=size, layout="constrained")
         yield drawn
-        drawn.savefig(temporary, format="png")
-    temporary.replace(path)
+        try:
+            drawn.savefig(temporary, format="png")
+            temporary.replace(path)
+        except OSError as error:
+            temporary.unlink(missing_ok=True)
+            raise MicrogripperError(f"{path}: cannot be written: {error.strerror}") from None
 
 
 def label(axes: Axes, x: str, y: str, title: str = "") -> None:

@@ -6,7 +6,7 @@ Every text is escaped: names and messages may come from somebody's recording.
 from __future__ import annotations
 
 import base64
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from html import escape
 from pathlib import Path
 
@@ -17,10 +17,14 @@ STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; color: #1c2733; max-width: 60rem;
        margin: 0 auto; padding: 1rem; }
 h1 { font-size: 1.6rem; line-height: 1.2; } h2 { font-size: 1.2rem; margin-top: 2rem; }
+h3 { font-size: 1rem; margin: 1.4rem 0 0; }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; margin: .8rem 0; font-variant-numeric: tabular-nums; }
 th, td { text-align: right; padding: .3rem .8rem; border-bottom: 1px solid #d8dee6; }
-th:first-child, td:first-child { text-align: left; }
+td { white-space: nowrap; }
+.text { text-align: left; white-space: normal; }
+td.text:first-child { white-space: nowrap; }
+li { margin: .3rem 0; }
 th { border-bottom: 2px solid #7b8794; }
 figure { margin: 1rem 0; } img { max-width: 100%; height: auto; }
 figcaption, .note { color: #51606f; font-size: .9rem; }
@@ -39,19 +43,35 @@ class Page:
         """Begin a section."""
         self._parts.append(f"<h2>{escape(text)}</h2>")
 
+    def caption(self, text: str) -> None:
+        """Name the table or figure that follows."""
+        self._parts.append(f"<h3>{escape(text)}</h3>")
+
     def paragraph(self, text: str) -> None:
         """Add a paragraph of plain text."""
         self._parts.append(f"<p>{escape(text)}</p>")
+
+    def points(self, texts: Iterable[str]) -> None:
+        """Add a list of plain texts."""
+        items = "".join(f"<li>{escape(text)}</li>" for text in texts)
+        self._parts.append(f"<ul>{items}</ul>")
 
     def note(self, text: str) -> None:
         """Add a paragraph in small grey type."""
         self._parts.append(f'<p class="note">{escape(text)}</p>')
 
-    def table(self, header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-        """Add a table; the first column is text, the others are numbers, already formatted."""
-        head = "".join(f"<th>{escape(cell)}</th>" for cell in header)
-        lines = ("".join(f"<td>{escape(cell)}</td>" for cell in row) for row in rows)
-        body = "".join(f"<tr>{line}</tr>" for line in lines)
+    def table(
+        self, header: Sequence[str], rows: Iterable[Sequence[str]], texts: Collection[int] = (0,)
+    ) -> None:
+        """Add a table; the columns `texts` are text, the others are numbers, already formatted."""
+
+        def row(tag: str, cells: Sequence[str]) -> str:
+            kinds = (' class="text"' if i in texts else "" for i in range(len(cells)))
+            marked = zip(kinds, map(escape, cells), strict=True)
+            return "".join(f"<{tag}{kind}>{cell}</{tag}>" for kind, cell in marked)
+
+        head = row("th", header)
+        body = "".join(f"<tr>{row('td', cells)}</tr>" for cells in rows)
         self._parts.append(
             f'<div class="scroll"><table><thead><tr>{head}</tr></thead>'
             f"<tbody>{body}</tbody></table></div>"
