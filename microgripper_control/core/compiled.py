@@ -10,10 +10,14 @@ from __future__ import annotations
 import hashlib
 import os
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
-from typing import TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import numba
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
@@ -38,3 +42,44 @@ numba.config.CACHE_DIR = str(cache_folder())
 def compiled(function: Function) -> Function:
     """Compile a module-level function to machine code (strict IEEE arithmetic, GIL released)."""
     return cast(Function, numba.njit(cache=True, nogil=True, error_model="numpy")(function))
+
+
+@cache
+def _entry(function: Callable[..., float], arrays: int, numbers: int) -> Any:  # noqa: ANN401
+    block = types.CPointer(types.float64)
+    signature = types.float64(*[block] * arrays, *[types.float64] * numbers)
+    compile_entry = numba.cfunc(signature, cache=True, nogil=True, error_model="numpy")
+    return compile_entry(function)
+
+
+def address_of(function: Callable[..., float], arrays: int, numbers: int) -> float:
+    """Where the machine code of a plain function of so many arrays, then numbers, lies.
+
+    It is compiled on first use. A kernel reads the address among its coefficients and calls it by
+    `call_at`, so that one compiled kernel serves functions it has never heard of. A number holds
+    an address to the bit: addresses have 47 bits, numbers 53.
+    """
+    return float(_entry(function, arrays, numbers).address)
+
+
+def _call_at(
+    typing: object, address: object, arguments: types.BaseTuple
+) -> tuple[object, Callable[..., object]]:
+    """Call the function at an address with whole numbers as its arrays' addresses."""
+
+    def emit(context: object, builder: ir.IRBuilder, signature: object, given: list[Any]) -> object:
+        number = ir.DoubleType()
+        values = []
+        for index, kind in enumerate(arguments):
+            value = builder.extract_value(given[1], index)
+            if isinstance(kind, types.Integer):
+                value = builder.inttoptr(value, number.as_pointer())
+            values.append(value)
+        function = ir.FunctionType(number, [value.type for value in values]).as_pointer()
+        return builder.call(builder.inttoptr(given[0], function), values)
+
+    return types.float64(types.int64, arguments), emit
+
+
+# call_at(address, (array addresses ..., numbers ...)) -> number, in compiled code only
+call_at = cast(Callable[[int, tuple[float, ...]], float], intrinsic(_call_at))

@@ -23,10 +23,6 @@ FREE = 2  # m, what the stack would move without the flexure: d u - h
 POSITION = 3  # m, displacement of the finger, then the sensor's reading of it
 ROWS = 4
 
-# Where links behind the mechanics divide a sample period, in fractions of it: after a jump of the
-# voltage the position moves at once and rings, then it comes to rest.
-SETTLING = (1 / 64, 1 / 32, 1 / 16, 1 / 8, 1 / 4, 1 / 2)
-
 
 @dataclass(frozen=True)
 class Timing:

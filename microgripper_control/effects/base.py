@@ -9,7 +9,7 @@ other file has to change.
 from __future__ import annotations
 
 import enum
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -69,7 +69,56 @@ def no_courses(values: Values, time: Array) -> Array:
     return np.zeros((0, len(time)))
 
 
-def no_breaks(values: Values, sample_period: float) -> set[float]:
+def no_part_of_its_own(values: Values, timing: Timing, levels: Array) -> Prepared:
+    """A force has no place on the bus: it acts inside the mechanics' solve."""
+    return Prepared(np.zeros((1, 0)), np.zeros(0), timing.ramped)
+
+
+def no_step_of_its_own(coefficients: Array, state: Array, bus: Array) -> None:
+    """See `no_part_of_its_own`."""
+
+
+# law(coefficients, before, after, x0, x1, v, step): the force on the mass, N, positive with x, at
+# the end of a `step`, s, in which the mass went one way from x0 to x1, m, and arrived with the
+# speed v, m/s. `before` and `after` are the law's state at both ends; they may be one memory, and a
+# law is tried many times from one `before`. A plain function: it is compiled by `core.compiled`.
+Law = Callable[[Array, Array, Array, float, float, float, float], float]
+
+
+@dataclass(frozen=True)
+class Force:
+    """What a link does that pushes on the moving mass, instead of acting on the bus.
+
+    Held over a sample such a force would go unstable, so it lives inside the solve of the link that
+    moves the mass. A law with a state follows the path of the mass, not its place alone; the state
+    is zero where the mass has never been moved.
+    """
+
+    law: Law
+    coefficients: Callable[[Values], Sequence[float]]
+    stiffness: Callable[[Values], float]  # N/m, of the order of the largest: how fine the solve is
+    states: int = 0
+
+
+Load = tuple[Force, Values]
+
+
+@dataclass(frozen=True)
+class Solver:
+    """How the link that moves the mass steps when there are forces; `prepare` gets them, too."""
+
+    prepare: Callable[[Values, Timing, Array, Sequence[Load]], Prepared]
+    kernel: Kernel
+
+
+# Where a sample period is to be divided, in fractions of it. `jumps`: when, other than at the
+# samples, what leaves jumps if the voltage is stepped. The other two count from each jump, and say
+# where a course that is taken as straight from step to step needs a corner: `breaks` always,
+# `settling` if a link behind follows the course between the samples.
+Instants = Callable[[Values, float], set[float]]
+
+
+def no_instants(values: Values, sample_period: float) -> set[float]:
     """A link that is exact on whole sample periods needs no division of them."""
     return set()
 
@@ -84,17 +133,24 @@ class Link:
     title: str
     source: str
     parameters: tuple[Parameter, ...]
-    prepare: Prepare
-    kernel: Kernel
-    breaks: Callable[[Values, float], set[float]] = no_breaks
+    prepare: Prepare = no_part_of_its_own
+    kernel: Kernel = no_step_of_its_own
+    force: Force | None = None  # in place of the two
+    solver: Solver | None = None  # in place of the two when there are forces
+    jumps: Instants = no_instants
+    breaks: Instants = no_instants
+    settling: Instants = no_instants
     courses: Courses = no_courses
     nominal: bool = False  # part of the paper's plant, always there
+    follows: bool = False  # the course between the samples matters to it
     sampled: bool = False  # acts on the samples, not on the signal between them
     random: bool = False  # not repeatable: left out of predictions
 
     def __post_init__(self) -> None:
         if not self.parameters or not self.title or not self.source:
             raise ValueError(f"link {self.name}: parameters, title and source are required")
+        if (self.kernel is no_step_of_its_own) == (self.force is None):
+            raise ValueError(f"link {self.name}: either a kernel or a force is required")
         if not self.nominal and all(p.vanishing is None for p in self.parameters):
             raise ValueError(f"link {self.name}: no parameter says where the effect vanishes")
 

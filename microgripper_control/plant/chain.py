@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from microgripper_control.core.signals import POSITION, ROWS, Array, Timing
-from microgripper_control.effects.base import Kernel
+from microgripper_control.effects.base import Kernel, Link, Load, Prepared, Values
 from microgripper_control.plant.model import Model
 
 
@@ -27,20 +27,20 @@ class Chain:
         random: bool = False,
     ) -> None:
         links = [link for link in model.links if random or not link.random]
-        breaks = {i / divisions for i in range(divisions)}
-        for link in links:
-            breaks |= link.breaks(model.values(link.name), sample_period)
-        self.timing = timing = Timing.divide(sample_period, breaks, ramped)
+        edges = _edges(model, links, sample_period, ramped)
+        edges |= {i / divisions for i in range(divisions)}
+        self.timing = timing = Timing.divide(sample_period, edges, ramped)
         levels = levels.copy()
         self._continuous: list[tuple[Kernel, Array, Array]] = []
         self._sampled: list[tuple[Kernel, Array, Array]] = []
-        for link in links:
+        loads: list[Load] = [(link.force, model.values(link.name)) for link in links if link.force]
+        for link in (link for link in links if not link.force):
             if not link.sampled:
                 self.rest_position = float(levels[POSITION])
-            prepared = link.prepare(model.values(link.name), timing, levels)
+            kernel, prepared = _ready(link, model.values(link.name), timing, levels, loads)
             timing = timing.with_course(prepared.ramped)
             group = self._sampled if link.sampled else self._continuous
-            group.append((link.kernel, prepared.coefficients, prepared.state))
+            group.append((kernel, prepared.coefficients, prepared.state))
             if not link.sampled:
                 self.rest_position = float(levels[POSITION])
 
@@ -69,3 +69,25 @@ class Chain:
         """As `sense`, on the position row of a bus of samples."""
         for kernel, coefficients, state in self._sampled:
             kernel(coefficients, state, bus)
+
+
+def _ready(
+    link: Link, values: Values, timing: Timing, levels: Array, loads: list[Load]
+) -> tuple[Kernel, Prepared]:
+    """The link's kernel and what it needs; forces go into the solve of the link that has one."""
+    if loads and link.solver:
+        return link.solver.kernel, link.solver.prepare(values, timing, levels, loads)
+    return link.kernel, link.prepare(values, timing, levels)
+
+
+def _edges(model: Model, links: list[Link], sample_period: float, ramped: bool) -> set[float]:
+    """Where the links want a sample period divided, in fractions of it."""
+    jumps, breaks = {0.0}, {0.0}
+    followed = not ramped and any(link.follows for link in links)
+    for link in links:
+        values = model.values(link.name)
+        jumps |= link.jumps(values, sample_period)
+        breaks |= link.breaks(values, sample_period)
+        if followed:
+            breaks |= link.settling(values, sample_period)
+    return {(jump + wanted) % 1.0 for jump in jumps for wanted in breaks}

@@ -20,7 +20,7 @@ from microgripper_control.effects.base import Link, Prepared, Stage, Values
 SAME_INSTANT = 1e-9  # of a sample period: boundaries closer than this are one
 
 
-def breaks(values: Values, sample_period: float) -> set[float]:
+def jumps(values: Values, sample_period: float) -> set[float]:
     """Where in the sample period the delayed step falls."""
     fraction = math.fmod(values["delay"] / sample_period, 1.0)
     return {fraction} if SAME_INSTANT < fraction < 1.0 - SAME_INSTANT else set()
@@ -77,5 +77,5 @@ LINK = Link(
     ),
     prepare=prepare,
     kernel=kernel,
-    breaks=breaks,
+    jumps=jumps,
 )

@@ -10,7 +10,7 @@ xi = |u - u0| and g = sign(du) h, both directions obey
 so that on each side of g = 0 the coefficient is constant: beta + gamma above, beta - gamma below.
 For n = 1 that is linear, and the step is taken in closed form, split where g changes sign. For
 other exponents it is integrated by the classical Runge-Kutta method with steps small against the
-curvature, split at the same place because |g|^n is not smooth there.
+curvature, split at the same place and small near it because |g|^n is not smooth there.
 """
 
 import math
@@ -22,24 +22,25 @@ from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.signals import FREE, HYSTERESIS, VOLTAGE, Array, Timing
 from microgripper_control.effects.base import Link, Prepared, Stage, Values
 
-LARGEST_CURVATURE = 0.05  # of one Runge-Kutta step: its error is then below 1e-8 of h
+LARGEST_CURVATURE = 0.03  # of one Runge-Kutta step: its error is then below 1e-8 of h
+SMALLEST_GROWTH = 0.15  # of |h|^n in one step, because |h|^n is not smooth at zero
+STRAIGHT = 1e-8  # so near zero that the terms in |h|^n are less than this beside alpha d
 
 
 @compiled
 def _relax(g: float, a: float, c: float, xi: float) -> float:
     """Solve dg/dxi = a - c g from g over xi (n = 1, one side of zero)."""
     x = c * xi
-    if abs(x) < 1e-12:
-        return g + (a - c * g) * xi
-    return g - (g - a / c) * -math.expm1(-x)
+    if abs(x) < 0.01:
+        share = 1.0 - x * (1 / 2 - x * (1 / 6 - x * (1 / 24 - x * (1 / 120 - x * (1 / 720)))))
+    else:
+        share = -math.expm1(-x) / x
+    return g + (a - c * g) * xi * share
 
 
 @compiled
 def _travel_to_zero(g: float, a: float, c: float) -> float:
-    """The xi at which dg/dxi = a - c g, started at g < 0, reaches zero; infinite if never."""
-    slope = a - c * g
-    if slope <= 0.0 or a <= 0.0:
-        return math.inf
+    """The xi at which dg/dxi = a - c g, started at g < 0, reaches zero; it must do so."""
     if abs(c * g) < 1e-12 * a:
         return -g / a
     return math.log1p(-c * g / a) / c
@@ -53,36 +54,37 @@ def slope(g: float, a: float, beta: float, gamma: float, n: float) -> float:
 
 
 @compiled
-def _runge_kutta(g: float, a: float, beta: float, gamma: float, n: float, step: float) -> float:
-    s1 = slope(g, a, beta, gamma, n)
-    s2 = slope(g + 0.5 * step * s1, a, beta, gamma, n)
-    s3 = slope(g + 0.5 * step * s2, a, beta, gamma, n)
-    s4 = slope(g + step * s3, a, beta, gamma, n)
-    return g + step / 6.0 * (s1 + 2.0 * s2 + 2.0 * s3 + s4)
+def _step_power(size: float, s1: float, a: float, c: float, n: float, most: float) -> float:
+    """The largest step of xi, up to `most`, over which dg/dxi changes little, for n > 1.
+
+    `size` is |g|, `s1` is dg/dxi, `c` the larger of |beta + gamma| and |beta - gamma|.
+    """
+    step, speed = most, abs(s1)
+    if n * speed * step > SMALLEST_GROWTH * size:
+        bend = abs(a - s1)
+        growth = min(0.5, SMALLEST_GROWTH / n * ((bend + a) / bend) ** 0.25)
+        straight = (STRAIGHT * a / c) ** (1.0 / n)
+        if size + speed * step > straight:
+            step = min(step, max(growth * size, straight) / speed)
+    return min(step, LARGEST_CURVATURE / (c * n * (size + speed * step) ** (n - 1.0)))
 
 
 @compiled
 def _integrate_power(g: float, a: float, beta: float, gamma: float, n: float, xi: float) -> float:
     """Solve dg/dxi = a - beta g |g|^(n-1) - gamma |g|^n from g over xi, for n > 1."""
+    c = max(abs(beta + gamma), abs(beta - gamma))
     left = xi
-    while left > 0.0:
-        c = max(abs(beta + gamma), abs(beta - gamma))
-        reach = abs(g) + a * left
-        curvature = c * n * reach ** (n - 1.0) * left
-        step = left * min(1.0, LARGEST_CURVATURE / max(curvature, 1e-300))
-        new = _runge_kutta(g, a, beta, gamma, n, step)
-        if g < 0.0 < new:
-            # Near zero g runs at the slope a: aim the step at the crossing, then go on from there.
-            step = min(step, -g / a)
-            for _ in range(20):
-                new = _runge_kutta(g, a, beta, gamma, n, step)
-                step -= new / slope(new, a, beta, gamma, n)
-                if abs(new) <= 1e-15 * reach:
-                    break
-            new = 0.0
-        if not math.isfinite(new):
-            return new
-        g = new
+    while left > 0.0 and math.isfinite(g):
+        s1 = slope(g, a, beta, gamma, n)
+        step = _step_power(abs(g), s1, a, c, n, left)
+        if g < 0.0 < g + step * s1:
+            step = -g / s1  # so near zero that it runs straight, and goes on from there
+            g = 0.0
+        else:
+            s2 = slope(g + 0.5 * step * s1, a, beta, gamma, n)
+            s3 = slope(g + 0.5 * step * s2, a, beta, gamma, n)
+            s4 = slope(g + step * s3, a, beta, gamma, n)
+            g += step / 6.0 * (s1 + 2.0 * s2 + 2.0 * s3 + s4)
         left -= step
     return g
 
@@ -101,11 +103,10 @@ def advance(h: float, du: float, a: float, beta: float, gamma: float, n: float) 
     if n != 1.0:
         return sign * _integrate_power(g, a, beta, gamma, n, xi)
     if g < 0.0:
-        c = beta - gamma
-        to_zero = _travel_to_zero(g, a, c)
-        if xi <= to_zero:
-            return sign * _relax(g, a, c, xi)
-        xi -= to_zero
+        new = _relax(g, a, beta - gamma, xi)
+        if new <= 0.0:
+            return sign * new
+        xi -= _travel_to_zero(g, a, beta - gamma)
         g = 0.0
     return sign * _relax(g, a, beta + gamma, xi)
 

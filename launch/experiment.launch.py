@@ -1,0 +1,53 @@
+"""A recorded experiment: the control loop and the recorder; it ends when the setpoints end."""
+
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument, RegisterEventHandler, Shutdown
+from launch.conditions import IfCondition
+from launch.event_handlers import OnProcessExit
+from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
+from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
+from launch_ros.substitutions import FindPackageShare
+
+PACKAGE = "microgripper_control"
+
+
+def generate_launch_description() -> LaunchDescription:
+    """Start the loop; `out` is the folder of the bag."""
+    config = PathJoinSubstitution([FindPackageShare(PACKAGE), "config"])
+    lockstep = {"lockstep": ParameterValue(LaunchConfiguration("lockstep"), value_type=bool)}
+    common = {
+        "package": PACKAGE,
+        "namespace": LaunchConfiguration("namespace"),
+        "output": "screen",
+    }
+    files = [LaunchConfiguration("params_file"), LaunchConfiguration("experiment_file")]
+    reference = Node(executable="reference", parameters=files, **common)
+    return LaunchDescription(
+        [
+            DeclareLaunchArgument("namespace", default_value="microgripper"),
+            DeclareLaunchArgument(
+                "params_file", default_value=PathJoinSubstitution([config, "microgripper.yaml"])
+            ),
+            DeclareLaunchArgument(
+                "experiment_file", default_value=PathJoinSubstitution([config, "experiment.yaml"])
+            ),
+            DeclareLaunchArgument("out", description="folder of the bag, a new one"),
+            DeclareLaunchArgument("simulate", default_value="true"),
+            DeclareLaunchArgument("lockstep", default_value="false"),
+            Node(
+                executable="recorder",
+                parameters=[*files, {"out": LaunchConfiguration("out")}],
+                **common,
+            ),
+            Node(
+                executable="plant_simulator",
+                parameters=[*files, lockstep],
+                condition=IfCondition(LaunchConfiguration("simulate")),
+                **common,
+            ),
+            Node(executable="controller", parameters=[*files, lockstep], **common),
+            reference,
+            RegisterEventHandler(OnProcessExit(target_action=reference, on_exit=[Shutdown()])),
+        ]
+    )

@@ -1,0 +1,68 @@
+"""Replay against the model: the voltage of a recording drives the simulated rig, sample by sample.
+
+With `out` the answer is recorded: what the model makes of the voltage the real rig got.
+"""
+
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument, RegisterEventHandler, Shutdown
+from launch.conditions import IfCondition
+from launch.event_handlers import OnProcessExit
+from launch.substitutions import (
+    LaunchConfiguration,
+    NotEqualsSubstitution,
+    PathJoinSubstitution,
+    PythonExpression,
+)
+from launch_ros.actions import Node
+from launch_ros.substitutions import FindPackageShare
+
+PACKAGE = "microgripper_control"
+
+
+def generate_launch_description() -> LaunchDescription:
+    """Start player and plant; they end with the recording."""
+    config = PathJoinSubstitution([FindPackageShare(PACKAGE), "config"])
+    common = {
+        "package": PACKAGE,
+        "namespace": LaunchConfiguration("namespace"),
+        "output": "screen",
+    }
+    file = LaunchConfiguration("params_file")
+    out = LaunchConfiguration("out")
+
+    def partners(name: str) -> PythonExpression:
+        """With a recorder they wait for it, too, so that the bag begins with the first sample."""
+        return PythonExpression(["['", name, "'] + ['recorder'] * bool('", out, "')"])
+
+    player = Node(
+        executable="player",
+        parameters=[
+            file,
+            {"recording": LaunchConfiguration("recording"), "pace": "samples"},
+            {"partners": partners("plant_simulator")},
+        ],
+        **common,
+    )
+    return LaunchDescription(
+        [
+            DeclareLaunchArgument("namespace", default_value="microgripper"),
+            DeclareLaunchArgument(
+                "params_file", default_value=PathJoinSubstitution([config, "microgripper.yaml"])
+            ),
+            DeclareLaunchArgument("recording", description="bag or CSV"),
+            DeclareLaunchArgument("out", default_value="", description="folder of the new bag"),
+            player,
+            Node(
+                executable="recorder",
+                parameters=[file, {"out": out}],
+                condition=IfCondition(NotEqualsSubstitution(out, "")),
+                **common,
+            ),
+            Node(
+                executable="plant_simulator",
+                parameters=[file, {"lockstep": True, "partners": partners("player")}],
+                **common,
+            ),
+            RegisterEventHandler(OnProcessExit(target_action=player, on_exit=[Shutdown()])),
+        ]
+    )

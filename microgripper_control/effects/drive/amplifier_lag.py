@@ -1,0 +1,71 @@
+"""Low-pass dynamics of the drive electronics, first or second order, without a resonance peak.
+
+    c T^2 u_s'' + T u_s' + u_s = u,        0 <= c <= 1/2
+
+T is the lag behind a slow ramp. c tells the order: 0 is one lag, T; up to 1/4 it is two lags in a
+row that sum to T; at 1/2 the response is maximally flat, and beyond it would peak. Above 1/4 a step
+is overshot, by 4.3 % at most, which the hysteresis behind remembers however short T is.
+
+The link comes last in the drive: what smooths is the output resistance into the stack's
+capacitance, behind the stage that clips and limits the current.
+
+Held and straight input are followed exactly. What leaves is taken as straight between the internal
+steps, so these are set where the approach to a step bends. Measured against far finer steps, what
+that costs is about 1 % of what the lag does to the displacement.
+"""
+
+import math
+
+import numpy as np
+
+from microgripper_control.core.compiled import compiled
+from microgripper_control.core.lag import advance_lag, lag_rows
+from microgripper_control.core.parameters import Parameter
+from microgripper_control.core.signals import VOLTAGE, Array, Timing
+from microgripper_control.effects.base import Link, Prepared, Stage, Values
+
+PIECES = 12  # of exp(-t/T), chords of equal error 1 / (2 PIECES^2); then the last of it, to zero
+BENDS = (*(-2.0 * math.log1p(-i / PIECES) for i in range(1, PIECES)), 7.0, 11.0, 36.0)
+
+
+def breaks(values: Values, sample_period: float) -> set[float]:
+    """Ends of the chords that follow the approach after a jump, and the top of an overshoot."""
+    lag, c = values["lag"], values["curvature"]
+    bends = {*BENDS, math.tau * c / math.sqrt(4.0 * c - 1.0)} if c > 0.25 else {*BENDS}
+    return {lag * bend / sample_period for bend in bends if lag * bend < sample_period}
+
+
+@compiled
+def kernel(coefficients: Array, state: Array, bus: Array) -> None:
+    """State: output, its slope, input so far."""
+    y, v, old = state[0], state[1], state[2]
+    steps = coefficients.shape[0]
+    for j in range(bus.shape[1]):
+        new = bus[VOLTAGE, j]
+        y, v = advance_lag(coefficients[j % steps], y, v, old, new)
+        old = new
+        bus[VOLTAGE, j] = y
+    state[0], state[1], state[2] = y, v, old
+
+
+def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
+    """The levels are left alone: the gain at rest is one."""
+    lag = values["lag"]
+    rows = lag_rows(lag, values["curvature"] * lag**2, timing)
+    return Prepared(rows, np.array([levels[VOLTAGE], 0.0, levels[VOLTAGE]]), ramped=True)
+
+
+LINK = Link(
+    name="amplifier_lag",
+    stage=Stage.DRIVE,
+    order=60,
+    title="lag of the amplifier",
+    source="Fleming and Leang 2014, chapter 14; Butterworth 1930",
+    parameters=(
+        Parameter("lag", "s", 5e-4, 0.0, 1.0, "delay behind a slow ramp", 0.0),
+        Parameter("curvature", "1", 0.1, 0.0, 0.5, "0 first order, 1/4 two equal lags, 1/2 flat"),
+    ),
+    prepare=prepare,
+    kernel=kernel,
+    breaks=breaks,
+)

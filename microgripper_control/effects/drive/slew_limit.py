@@ -1,0 +1,87 @@
+"""Bounded rate of the drive voltage: the amplifier's current limit into the stack's capacitance.
+
+    u_s' follows u as fast as it may,        -1 / fall <= u_s' <= 1 / rise
+
+Parameters are times per volt, C / i_max, so that the effect vanishes at zero. The link stands
+behind the saturation, so that no charge is owed for a command beyond the range, and before the lag
+of the output.
+
+Behind held or straight input the voltage at the end of a step is exact, a change of pace inside it
+included. What leaves is taken as straight in between; boundaries ever farther from a jump keep the
+corner sharp at any slew rate, down to where the effect vanishes.
+"""
+
+import math
+
+import numpy as np
+
+from microgripper_control.core.compiled import compiled
+from microgripper_control.core.parameters import Parameter
+from microgripper_control.core.signals import VOLTAGE, Array, Timing
+from microgripper_control.effects.base import Link, Prepared, Stage, Values
+
+JUMPS = (0.5, 256.0)  # V: of what sizes the end of the ramp is drawn well at any slew rate
+GROWTH = 2.0**0.5  # from boundary to boundary after a jump,
+PIECES = 12  # until they are as far apart as this part of a sample period
+
+
+def breaks(values: Values, sample_period: float) -> set[float]:
+    """Where jumps of various sizes have been worked off."""
+    found = set()
+    for way in ("rise", "fall"):
+        small, large = (volts * values[way] / sample_period for volts in JUMPS)
+        while 0.0 < small < min(1.0, large):
+            found.add(small)
+            small += min((GROWTH - 1.0) * small, 1.0 / PIECES)
+    return found
+
+
+@compiled
+def kernel(coefficients: Array, state: Array, bus: Array) -> None:
+    """State: output and input so far. Rows: V up and down in a step, whether the input is held."""
+    y, old = state[0], state[1]
+    steps = coefficients.shape[0]
+    for j in range(bus.shape[1]):
+        up, down = coefficients[j % steps, 0], coefficients[j % steps, 1]
+        new = bus[VOLTAGE, j]
+        begin = new if coefficients[j % steps, 2] == 1.0 else old
+        run = new - begin
+        # First y makes for the input at full rate; where they meet, it follows as far as it may.
+        late = begin - y
+        pace = up if late > 0.0 else -down
+        met = 0.0 if late == 0.0 else late / (pace - run)  # share of the step; < 0 if never
+        if 0.0 <= met < 1.0:
+            y = begin + run * met
+            left = 1.0 - met
+            y = min(max(new, y - down * left), y + up * left)
+        else:
+            y += pace
+        old = new
+        bus[VOLTAGE, j] = y
+    state[0], state[1] = y, old
+
+
+def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
+    """The levels are left alone: at rest the output has arrived."""
+    rows = [
+        [step / values[way] if values[way] > 0.0 else math.inf for way in ("rise", "fall")]
+        + [float(not timing.ramped)]
+        for step in timing.steps
+    ]
+    return Prepared(np.array(rows), np.full(2, levels[VOLTAGE]), ramped=True)
+
+
+LINK = Link(
+    name="slew_limit",
+    stage=Stage.DRIVE,
+    order=40,
+    title="slew limit of the amplifier",
+    source="i = C du/dt at the current limit; Fleming and Leang 2014, chapter 14",
+    parameters=(
+        Parameter("rise", "s/V", 4e-5, 0.0, 1.0, "shortest time per volt upwards", 0.0),
+        Parameter("fall", "s/V", 4e-5, 0.0, 1.0, "shortest time per volt downwards", 0.0),
+    ),
+    prepare=prepare,
+    kernel=kernel,
+    breaks=breaks,
+)

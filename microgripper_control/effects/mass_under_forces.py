@@ -1,0 +1,139 @@
+"""Makes the solve of `force_balance` ready: how a step of the bus is divided, and the exact maps.
+
+The division follows from the mass alone. After a jump of w it rings with omega = sqrt((k + k_s +
+stiffness of the forces)/m) and decays at a rate lambda.
+
+- A mass that comes to rest within the step needs two substeps (one if w ran straight, for then it
+  hardly rings): forces that know only where it stands forget the way it came.
+- Forces that follow the path count every turn of the ringing: two substeps a half swing until it
+  has died away, and one for the rest.
+- A mass that still moves at the end of the step needs FINE radians of the ringing a substep, and
+  coarser ones do where the forces are weak beside k + k_s or where much has decayed by the end.
+
+Measured against tight integration the error is then below 1 % of what the forces do, for voltages
+that jump at random from sample to sample, and 10 to 1000 times less for smooth ones.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import lru_cache
+
+import numpy as np
+from scipy.linalg import expm
+
+from microgripper_control.core.compiled import address_of
+from microgripper_control.core.signals import FREE, POSITION, Array, Timing
+from microgripper_control.effects import force_balance as layout
+from microgripper_control.effects.base import Load, Prepared, Values
+
+FINE = 0.15  # rad, for forces that outdo k + k_s; in proportion to their share ** -1/4
+SMALLEST_SHARE = 0.04  # of the forces in the stiffness: weaker ones are not treated coarser
+COARSER = 7.0  # times FINE, at most
+SHORT = 3.3  # rad, up to which F runs along a parabola
+AT_REST = 4.0  # time constants after which the course of a substep does not matter
+DIED_AWAY = 7.0  # time constants after which the ringing is 1e-3
+MOST_SUBSTEPS = 1000
+
+
+def prepare(values: Values, timing: Timing, levels: Array, loads: Sequence[Load]) -> Prepared:
+    """As `second_order.prepare`. At rest the mass has come slowly and one way from x = 0."""
+    carried = sum(force.states for force, _ in loads)
+    laws = [_row([len(loads), carried])]
+    for force, given in loads:
+        address = address_of(force.law, arrays=3, numbers=4)
+        laws.append(_row([address, force.states, *force.coefficients(given)]))
+    omega = math.sqrt(_stiffness(values, loads) / values["m"])
+    substeps = []
+    for step in timing.steps:
+        spans = _division(values, omega, step, timing.ramped, carried > 0)
+        substeps += _substeps(values, omega, spans, timing.ramped)
+    state = np.zeros(layout.CARRIED + 3 * carried)
+    rest = np.zeros((len(levels), 1))
+    rest[FREE] = levels[FREE]
+    layout.kernel(np.array([*laws, _rest(values)]), state, rest)
+    levels[POSITION] = rest[POSITION, 0]
+    return Prepared(np.array([*laws, *substeps]), state, ramped=True)
+
+
+def _stiffness(values: Values, loads: Sequence[Load]) -> float:
+    return values["k"] + values["k_s"] + sum(force.stiffness(given) for force, given in loads)
+
+
+def _row(numbers: Sequence[float]) -> Array:
+    row = np.zeros(layout.COLUMNS)
+    row[: len(numbers)] = numbers
+    return row
+
+
+def _rest(values: Values) -> Array:
+    """A substep without end: only the levels of w and F count."""
+    row = _row([math.inf, 1.0, 1.0, 1.0])
+    row[layout.TO_END + 3] = values["k"] / (values["k"] + values["k_s"])
+    row[layout.TO_END + 5] = 1.0 / (values["k"] + values["k_s"])
+    return row
+
+
+def _division(
+    values: Values, omega: float, step: float, ramped: bool, by_path: bool
+) -> list[float]:
+    """The substeps of a step of the bus, s."""
+    own = math.sqrt((values["k"] + values["k_s"]) / values["m"])
+    half = values["b"] / (2.0 * values["m"])
+    decay = half - math.sqrt(max(0.0, half**2 - own**2))
+    fine = FINE / max(SMALLEST_SHARE, 1.0 - (own / omega) ** 2) ** 0.25
+    if by_path and not ramped and half < own:
+        lasting = math.exp(-decay * step / 4.0)
+        pieces = round(math.pi / fine * (lasting + (1.0 - lasting) / COARSER))
+        span = math.pi / math.sqrt(omega**2 - half**2) / pieces
+        count = math.ceil(DIED_AWAY / (decay * span)) if decay > 0.0 else MOST_SUBSTEPS
+        rest = step - count * span
+        if decay * rest >= AT_REST:
+            return [span] * count + [rest]
+    else:
+        count = 1 if ramped else 2
+        if decay * step >= AT_REST * count:
+            return [step / count] * count
+        span = fine * min(COARSER, math.exp(decay * step / count)) / omega
+    count = min(MOST_SUBSTEPS, math.ceil(step / span))
+    return [step / count] * count
+
+
+def _substeps(values: Values, omega: float, spans: list[float], ramped: bool) -> list[Array]:
+    rows = []
+    step, begin = sum(spans), 0.0
+    for index, span in enumerate(spans):
+        last = index == len(spans) - 1
+        row = _row([span, 1.0, 1.0, float(last), float(omega * span < SHORT)])
+        if ramped:
+            row[layout.MIDDLE] = (begin + 0.5 * span) / step
+            row[layout.END] = 1.0 if last else (begin + span) / step
+        whole = _maps(values["m"], values["b"], values["k"], values["k_s"], span, ramped)
+        middle = _maps(values["m"], values["b"], values["k"], values["k_s"], 0.5 * span, ramped)
+        row[layout.TO_END : layout.TO_MIDDLE], row[layout.BULGE :] = whole
+        row[layout.TO_MIDDLE : layout.BULGE], _ = middle
+        rows.append(row)
+        begin += span
+    return rows
+
+
+@lru_cache(maxsize=256)
+def _maps(
+    m: float, b: float, k: float, k_s: float, span: float, ramped: bool
+) -> tuple[Array, Array]:
+    """The exact map over `span`, 12 numbers, and what a parabola of F adds to x and v."""
+    omega = math.sqrt((k + k_s) / m)
+    turned = omega * span
+    # x and v / omega, driven by a constant, a straight line and a square over the span.
+    system = np.zeros((5, 5))
+    system[0, 1] = turned
+    system[1, :3] = -turned, -b / (m * omega) * turned, turned / (k + k_s)
+    system[2, 3], system[3, 4] = 1.0, 2.0
+    e = expm(system)[:2] * np.array([[1.0], [omega]])
+    level, line, square = e[:, 2], e[:, 3], e[:, 4]
+    of_w = (level - line, line) if ramped else (np.zeros(2), level)
+    of_f = (level - line, line)
+    own = e[:, :2] / np.array([1.0, omega])
+    table = np.column_stack([own, k * of_w[0], k * of_w[1], *of_f])
+    return table.ravel(), 4.0 * (line - square)

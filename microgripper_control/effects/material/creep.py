@@ -1,0 +1,81 @@
+"""Creep: the free displacement goes on growing after a change of voltage, about as log time.
+
+    w_c = w + sum_i c_i s_i,    tau_i s_i' = w - s_i,    c_i = strength |log10(slowest/fastest)| / N
+
+A row of Kelvin-Voigt elements whose time constants tau_i lie evenly in log time from `fastest` to
+`slowest`. After a step each decade of time in between then adds the share `strength` of the step,
+to 1 % of that; drawn together, the two leave a single time constant. Elements are advanced exactly,
+w held over an internal step or running straight through it. At rest creep is complete.
+"""
+
+import numpy as np
+
+from microgripper_control.core.compiled import compiled
+from microgripper_control.core.parameters import Parameter
+from microgripper_control.core.signals import FREE, Array, Timing
+from microgripper_control.effects.base import Link, Prepared, Stage, Values
+
+ELEMENTS = 8
+
+
+def time_constants(values: Values) -> Array:
+    """tau_i, s, shape (ELEMENTS,), in the middle of equal parts of the log range."""
+    middles = (np.arange(ELEMENTS) + 0.5) / ELEMENTS
+    fastest, slowest = values["fastest"], values["slowest"]
+    constants: Array = fastest * (slowest / fastest) ** middles
+    return constants
+
+
+@compiled
+def kernel(coefficients: Array, state: Array, bus: Array) -> None:
+    """State: w so far, then the s_i. A row: c, then (decay, from the old w, from the new) each."""
+    steps = coefficients.shape[0]
+    for j in range(bus.shape[1]):
+        row = coefficients[j % steps]
+        old, new = state[0], bus[FREE, j]
+        grown = 0.0
+        for i in range(ELEMENTS):
+            decay, before, after = row[1 + 3 * i], row[2 + 3 * i], row[3 + 3 * i]
+            state[1 + i] = decay * state[1 + i] + before * old + after * new
+            grown += state[1 + i]
+        state[0] = new
+        bus[FREE, j] = new + row[0] * grown
+
+
+def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
+    """What leaves is of the course that came: within a step creep is slow."""
+    decades = abs(np.log10(values["slowest"] / values["fastest"]))
+    share = values["strength"] * decades / ELEMENTS
+    rows = []
+    for step in timing.steps:
+        y = step / time_constants(values)
+        decay = np.exp(-y)
+        mean = -np.expm1(-y) / y  # of the decay over the step
+        before, after = (mean - decay, 1.0 - mean) if timing.ramped else (0.0 * y, -np.expm1(-y))
+        rows.append(np.append(share, np.column_stack([decay, before, after])))
+    state = np.full(1 + ELEMENTS, levels[FREE])
+    levels[FREE] *= 1.0 + share * ELEMENTS
+    return Prepared(np.array(rows), state, timing.ramped)
+
+
+def courses(values: Values, time: Array) -> Array:
+    """Creep that was not complete when the recording began dies away element by element."""
+    decays: Array = np.exp(-time[None, :] / time_constants(values)[:, None])
+    return decays
+
+
+LINK = Link(
+    name="creep",
+    stage=Stage.MATERIAL,
+    order=30,
+    title="creep",
+    source="Croft, Shed, Devasia 2001 (elements); Jung and Gweon 2000 (log time)",
+    parameters=(
+        Parameter("strength", "1", 0.01, 0.0, 1.0, "share of a step added in a decade", 0.0),
+        Parameter("fastest", "s", 0.01, 1e-4, 1e4, "from where on creep is log-like"),
+        Parameter("slowest", "s", 1e3, 1e-4, 1e6, "up to where creep is log-like"),
+    ),
+    prepare=prepare,
+    kernel=kernel,
+    courses=courses,
+)

@@ -1,0 +1,55 @@
+"""An object or stop that pushes back beyond a position.
+
+    F = -side stiffness r (depth / r)^exponent max(0, 1 + damping depth'),
+    depth = max(0, side (x - position)),        r = 1 um
+
+Exponent 1 is a linear spring, 3/2 two curved bodies (Hertz); r is where `stiffness` is force by
+depth, so that its unit does not depend on the exponent. The damping of Hunt and Crossley grows with
+the depth: the force is continuous at the touch and never pulls.
+"""
+
+from collections.abc import Sequence
+
+from microgripper_control.core.parameters import Parameter
+from microgripper_control.core.signals import Array
+from microgripper_control.effects.base import Force, Link, Stage, Values
+
+REFERENCE = 1e-6  # m, r above
+
+
+def law(
+    c: Array, before: Array, after: Array, x0: float, x1: float, v: float, step: float
+) -> float:
+    side = c[4]
+    depth = side * (x1 - c[0])
+    if depth <= 0.0:
+        return 0.0
+    shape = 1.0 if c[2] == 1.0 else (depth / REFERENCE) ** (c[2] - 1.0)
+    force: float = -side * c[1] * depth * shape * max(0.0, 1.0 + c[3] * side * v)
+    return force
+
+
+def coefficients(values: Values) -> Sequence[float]:
+    side = 1.0 if values["side"] >= 0.0 else -1.0
+    return values["position"], values["stiffness"], values["exponent"], values["damping"], side
+
+
+def stiffness(values: Values) -> float:
+    return values["exponent"] * values["stiffness"]
+
+
+LINK = Link(
+    name="contact",
+    stage=Stage.MECHANICS,
+    order=20,
+    title="contact with an object or stop",
+    source="Hertz 1881; Hunt and Crossley 1975",
+    force=Force(law, coefficients, stiffness),
+    parameters=(
+        Parameter("position", "m", 1.5e-5, -1.0, 1.0, "where the finger touches"),
+        Parameter("stiffness", "N/m", 2e6, 0.0, 1e12, "force by depth, 1 um deep", 0.0),
+        Parameter("exponent", "1", 1.0, 1.0, 3.0, "1 linear, 1.5 Hertz", fitted=False),
+        Parameter("damping", "s/m", 0.0, 0.0, 1e6, "share of force by speed", fitted=False),
+        Parameter("side", "1", 1.0, -1.0, 1.0, "1 beyond, -1 below the position", fitted=False),
+    ),
+)

@@ -1,0 +1,44 @@
+"""Stiffness of flexure and stack that changes with displacement.
+
+    F = -quadratic x^2 - cubic x^3
+
+The next two terms of the restoring force after (k + k_s) x: the quadratic one for a flexure that is
+not symmetric about x = 0, the cubic one for stretching (positive, it stiffens) or buckling
+(negative, it softens).
+"""
+
+from collections.abc import Sequence
+
+from microgripper_control.core.parameters import Parameter
+from microgripper_control.core.signals import Array
+from microgripper_control.effects.base import Force, Link, Stage, Values
+
+
+def law(
+    c: Array, before: Array, after: Array, x0: float, x1: float, v: float, step: float
+) -> float:
+    force: float = -(c[0] + c[1] * x1) * x1 * x1
+    return force
+
+
+def coefficients(values: Values) -> Sequence[float]:
+    return values["quadratic"], values["cubic"]
+
+
+def stiffness(values: Values) -> float:
+    """Counted with that of the mass: beyond a few times it, the solve gets less accurate."""
+    return 0.0
+
+
+LINK = Link(
+    name="nonlinear_stiffness",
+    stage=Stage.MECHANICS,
+    order=10,
+    title="stiffness that changes with displacement",
+    source="Duffing 1918; for flexures Howell 2001, chapter 2",
+    force=Force(law, coefficients, stiffness),
+    parameters=(
+        Parameter("quadratic", "N/m^2", 5e10, -1e20, 1e20, "of the restoring force in x^2", 0.0),
+        Parameter("cubic", "N/m^3", 2.5e15, -1e26, 1e26, "of the restoring force in x^3", 0.0),
+    ),
+)

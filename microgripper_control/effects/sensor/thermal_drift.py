@@ -1,0 +1,64 @@
+"""Slow drift that the voltage does not explain: the rig warms up and its parts expand.
+
+    y = x + amplitude (1 - exp(-t / time_constant))
+
+Live, the drift is that of one thermal mass after a change of power or of surroundings, from the
+start of the run on. A real one has more masses and a room that changes, and no two recordings share
+its course. Predictions therefore leave the link out, and each recording is given a course of its
+own: a natural cubic spline, as smooth as a sixth of the recording asks.
+"""
+
+import math
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from microgripper_control.core.compiled import compiled
+from microgripper_control.core.parameters import Parameter
+from microgripper_control.core.signals import POSITION, Array, Timing
+from microgripper_control.effects.base import Link, Prepared, Stage, Values
+
+PIECES = 6  # of the spline; fewer miss a drift that turns back, more bend after noise and creep
+
+
+@compiled
+def kernel(coefficients: Array, state: Array, bus: Array) -> None:
+    """State: samples so far."""
+    amplitude, rate = coefficients[0, 0], coefficients[0, 1]
+    for j in range(bus.shape[1]):
+        bus[POSITION, j] -= amplitude * math.expm1(-rate * state[0])
+        state[0] += 1.0
+
+
+def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
+    """The levels are left alone: the drift begins with the run."""
+    row = (values["amplitude"], timing.sample_period / values["time_constant"])
+    return Prepared(np.array([row]), np.zeros(1), timing.ramped)
+
+
+def courses(values: Values, time: Array) -> Array:
+    """Splines through 1 at one knot and 0 at the others, shape (6, n).
+
+    Their weights are what has drifted since the first sample until each knot, m.
+    """
+    knots = np.linspace(time[0], time[-1], PIECES + 1)
+    shapes: Array = CubicSpline(knots, np.eye(PIECES + 1), bc_type="natural")(time).T[1:]
+    return shapes
+
+
+LINK = Link(
+    name="thermal_drift",
+    stage=Stage.SENSOR,
+    order=30,
+    title="thermal drift",
+    source="one thermal mass; natural splines: Hastie, Tibshirani, Friedman 2009, chapter 5",
+    sampled=True,
+    random=True,
+    parameters=(
+        Parameter("amplitude", "m", 1e-6, -1e-2, 1e-2, "drift in the end", 0.0, fitted=False),
+        Parameter("time_constant", "s", 60.0, 1e-3, 1e6, "of the warming", fitted=False),
+    ),
+    prepare=prepare,
+    kernel=kernel,
+    courses=courses,
+)

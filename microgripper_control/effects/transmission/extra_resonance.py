@@ -1,0 +1,61 @@
+"""An underdamped mode of finger or mount, in modal form.
+
+    q'' + 2 zeta w q' + w^2 q = w^2 x,        x_f = x + share (q - x),        w = 2 pi frequency
+
+The gain at rest stays one, so that the mode does not pass for a change of d. At share 1 all of the
+motion goes through the mode (a finger on a flexible joint); a small share of either sign is a mode
+seen beside the motion, with its antiresonance above or below the resonance.
+
+Exact for straight lines between the internal steps. Measured against theory for the whole chain,
+modes up to 0.8 of the sampling rate come out within 2 % of what they do to the displacement.
+"""
+
+import math
+
+import numpy as np
+
+from microgripper_control.core.compiled import compiled
+from microgripper_control.core.lag import advance_lag, lag_rows
+from microgripper_control.core.parameters import Parameter
+from microgripper_control.core.signals import POSITION, Array, Timing
+from microgripper_control.effects.base import Link, Prepared, Stage, Values
+
+
+@compiled
+def kernel(coefficients: Array, state: Array, bus: Array) -> None:
+    """State: q, its velocity, x so far. The last coefficient of a row is the share."""
+    q, v, old = state[0], state[1], state[2]
+    steps = coefficients.shape[0]
+    for j in range(bus.shape[1]):
+        c = coefficients[j % steps]
+        x = bus[POSITION, j]
+        q, v = advance_lag(c, q, v, old, x)
+        old = x
+        bus[POSITION, j] = x + c[-1] * (q - x)
+    state[0], state[1], state[2] = q, v, old
+
+
+def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
+    """The levels are left alone: at rest q = x."""
+    omega = math.tau * values["frequency"]
+    rows = lag_rows(2.0 * values["damping"] / omega, omega**-2, timing)
+    rows = np.column_stack([rows, np.full(len(rows), values["share"])])
+    state = np.array([levels[POSITION], 0.0, levels[POSITION]])
+    return Prepared(rows, state, timing.ramped)
+
+
+LINK = Link(
+    name="extra_resonance",
+    stage=Stage.TRANSMISSION,
+    order=20,
+    title="resonance of finger or mount",
+    source="modal superposition: Meirovitch 1986; Gawronski 2004",
+    parameters=(
+        Parameter("share", "1", 0.2, -5.0, 5.0, "part of the motion that passes the mode", 0.0),
+        Parameter("frequency", "Hz", 200.0, 1.0, 1e5, "natural frequency"),
+        Parameter("damping", "1", 0.02, 1e-4, 0.7, "damping ratio"),
+    ),
+    prepare=prepare,
+    kernel=kernel,
+    follows=True,
+)

@@ -1,0 +1,217 @@
+"""The controller as a node: answers each sample of the plant with one voltage command.
+
+The answer to sample k is applied from tick k+1 on, whenever within the tick it comes. So there is
+time for the setpoint that `reference` publishes for the same sample: where setpoints come once a
+sample, the answer waits for it, in wall time no longer than `setpoint_wait`. In lockstep it waits
+until it is there, and a setpoint that does not come ends the run with an error.
+
+The limits are the last thing before a voltage goes out. On deactivation and at the end the voltage
+is brought to `safe_voltage` at `ramp_rate`; not in lockstep, where nobody takes samples any more.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterable
+from typing import Any
+
+from rcl_interfaces.msg import SetParametersResult
+from rclpy.parameter import Parameter as RosParameter
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64
+
+from microgripper_control.control.controller import Controller, Mode
+from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.parameters import Parameter
+from microgripper_control.nodes import controller_settings, topics
+from microgripper_control.nodes.controller_health import Statistics
+from microgripper_control.nodes.controller_settings import LIVE, NAMES, ControllerSettings
+from microgripper_control.nodes.health import Health
+from microgripper_control.nodes.managed import ManagedShell
+from microgripper_control.nodes.pairing import Pairing
+from microgripper_control.nodes.parameters import declare_flag, declare_numbers, declare_texts
+from microgripper_control.nodes.shell import POLL, run
+
+PARAMETERS = (
+    Parameter("setpoint_wait", "s", 0.0005, 0.0, 1.0, "wall time: longest wait for a setpoint"),
+    Parameter("lockstep_timeout", "s", 5.0, 0.01, 3600.0, "lockstep: longest wait for a setpoint"),
+)
+REPEATED = 3  # times the safe voltage is sent in the end: nobody could send it again later
+
+
+class ControllerNode(ManagedShell):
+    """See the module."""
+
+    def __init__(self) -> None:
+        super().__init__("controller")
+        controller_settings.declare(self)
+        declare_flag(self, "lockstep", False, "wait for the setpoint of each sample")
+        declare_flag(self, "await_setpoint", True, "lockstep: false to use the newest setpoint")
+        declare_texts(
+            self,
+            "partners",
+            ["plant_simulator"],
+            "lockstep: names of the nodes that must get voltage_command before it begins",
+        )
+        declare_numbers(self, PARAMETERS)
+        self._settings = self._wanted = ControllerSettings.of(self._values(NAMES))
+        self._controller: Controller | None = None
+        self._samples = topics.Newest(self, topics.JOINT_STATES, self._on_sample)
+        self._setpoints = (
+            topics.Newest(self, topics.SETPOINT, self._on_setpoint),
+            topics.Newest(self, topics.VOLTAGE_SETPOINT, self._on_voltage_setpoint),
+        )
+        self.add_on_set_parameters_callback(self._check_parameters)
+        self.add_post_set_parameters_callback(self._apply_parameters)
+
+    def configure(self) -> None:
+        """Compile, then offer the topics."""
+        self._settings = self._wanted = ControllerSettings.of(self._values(NAMES))
+        self._settings.compile()
+        self._controller = self._settings.controller()
+        self._answer = Float64()
+        self._answers = topics.publish_on(self, topics.VOLTAGE_COMMAND)
+
+    def cleanup(self) -> None:
+        """Withdraw the topics."""
+        self._controller = None
+        self.destroy_publisher(self._answers)
+
+    def activate(self) -> None:
+        """Begin to take samples, in lockstep once the plant takes the answers."""
+        self._lockstep = self._value("lockstep")
+        patience = self._value("lockstep_timeout" if self._lockstep else "setpoint_wait")
+        awaits = self._value("await_setpoint")
+        self._pairing = Pairing(patience, lockstep=self._lockstep, awaits=awaits)
+        self._statistics = Statistics()
+        self._started = False
+        if not self._lockstep:
+            for subscription in (*self._setpoints, self._samples):
+                subscription.open()
+
+    def deactivate(self) -> None:
+        """Bring the voltage down."""
+        for subscription in (*self._setpoints, self._samples):
+            subscription.close()
+        if self._started and not self._lockstep:
+            self._ramp_down()
+
+    def work(self, now: float) -> float:
+        """As `Shell` says."""
+        if not self.active:
+            return POLL
+        if not self._samples.is_open:
+            self._join()
+        if now >= self._pairing.deadline:
+            if self._lockstep:
+                self.fail("lockstep: no setpoint came for a sample")
+                return 0.0
+            self._statistics.late += 1
+            self._answer_sample()
+        return max(0.0, self._pairing.deadline - time.monotonic())
+
+    def _join(self) -> None:
+        """In lockstep: take setpoints, and samples once the partners take the answers."""
+        for subscription in self._setpoints:
+            subscription.open(if_published=True)
+        if not topics.missing_partners(self, self._answers, self._value("partners")):
+            self._samples.open(if_published=True)
+
+    def _on_sample(self, message: JointState) -> None:
+        if not self.active or self._controller is None:
+            return
+        displacement, voltage = topics.finger(message)
+        if not self._started:
+            if not math.isfinite(voltage):
+                self._statistics.unusable += 1
+                return
+            self._controller.start(voltage)
+            self._started = True
+        if not math.isfinite(displacement + voltage):
+            self._statistics.unusable += 1
+        if self._pairing.waiting:
+            self._answer_sample()
+        if self._pairing.sample(displacement, voltage, time.monotonic()):
+            self._answer_sample()
+
+    def _on_setpoint(self, message: Float64) -> None:
+        if self._settings.mode is not Mode.OPEN_LOOP:
+            self._take_command(message.data)
+
+    def _on_voltage_setpoint(self, message: Float64) -> None:
+        if self._settings.mode is Mode.OPEN_LOOP:
+            self._take_command(message.data)
+
+    def _take_command(self, command: float) -> None:
+        if not self.active:
+            return
+        if self._pairing.setpoint(command):
+            self._answer_sample()
+        if self._lockstep and self._pairing.surplus:
+            self.fail("lockstep: two setpoints for one sample; is there a second publisher?")
+
+    def _answer_sample(self) -> None:
+        assert self._controller is not None
+        paired = self._pairing.take()
+        self._publish(self._controller.step(paired.setpoint, paired.displacement, paired.voltage))
+        self._statistics.note(paired)
+
+    def _publish(self, voltage: float) -> None:
+        self._answer.data = voltage
+        self._answers.publish(self._answer)
+
+    def _ramp_down(self) -> None:
+        assert self._controller is not None
+        guard, period = self._controller.guard, self._settings.sample_period
+        due = time.monotonic()
+        last = 0
+        while last < REPEATED:
+            last += guard.voltage == guard.limits.safe
+            self._publish(guard.ramp_to(guard.limits.safe))
+            due += period
+            time.sleep(max(0.0, due - time.monotonic()))
+
+    def _check_parameters(self, given: list[RosParameter]) -> SetParametersResult:
+        changes = {one.name: one.value for one in given if one.name in NAMES}
+        if not changes:
+            return SetParametersResult(successful=True)
+        fixed = sorted(set(changes) - LIVE) if self._controller is not None else []
+        if fixed:
+            reason = f"{fixed[0]} is read by the transition `configure`; clean up first"
+            return SetParametersResult(successful=False, reason=reason)
+        known = None if "model_file" in changes else self._settings.identified
+        try:
+            self._wanted = ControllerSettings.of({**self._values(NAMES), **changes}, known)
+        except MicrogripperError as error:
+            return SetParametersResult(successful=False, reason=str(error))
+        return SetParametersResult(successful=True)
+
+    def _apply_parameters(self, given: list[RosParameter]) -> None:
+        if any(one.name in NAMES for one in given):
+            if self._controller is not None:
+                self._wanted.change(self._controller, self._settings)
+            self._settings = self._wanted
+
+    def health(self, elapsed: float) -> Health:
+        """As `Shell` says."""
+        if not self.active or self._controller is None:
+            return Health("not active")
+        if not self._samples.is_open:
+            return Health("waiting for " + ", ".join(self._value("partners")))
+        return self._statistics.health(self._controller, elapsed)
+
+    def _values(self, names: Iterable[str]) -> dict[str, Any]:
+        return {name: self._value(name) for name in names}
+
+    def _value(self, name: str) -> Any:  # noqa: ANN401 (of any type)
+        return self.get_parameter(name).value
+
+
+def main() -> None:
+    """Run the node."""
+    run(ControllerNode)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,136 @@
+"""The controller's parameters, and the control law that they ask for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from rclpy.node import Node
+
+from microgripper_control.control.controller import Controller, Mode
+from microgripper_control.control.feedforward import InverseKind
+from microgripper_control.control.identified import Identified
+from microgripper_control.control.limits import VoltageLimits
+from microgripper_control.control.pid import PidGains
+from microgripper_control.core.parameters import Parameter
+from microgripper_control.nodes.parameters import (
+    MODEL_FILE,
+    MODEL_FILE_TEXT,
+    check_choice,
+    declare_flag,
+    declare_number,
+    declare_numbers,
+    declare_text,
+    model_path,
+)
+from microgripper_control.plant.model_file import load_model
+
+SAMPLE_RATE = Parameter("sample_rate", "Hz", 1000.0, 0.1, 20000.0, "of the plant")
+LIMITS = {  # parameter of the node -> field of VoltageLimits
+    "voltage_min": "low",
+    "voltage_max": "high",
+    "voltage_rate": "rate",
+    "safe_voltage": "safe",
+    "ramp_rate": "ramp_rate",
+}
+GAINS = tuple(parameter.name for parameter in PidGains.parameters())
+ON_MEASUREMENT = "derivative_on_measurement"
+LIVE = frozenset({"mode", "model_file", ON_MEASUREMENT, *GAINS})  # may change while it runs
+NAMES = (*LIVE, *LIMITS, "inverse", SAMPLE_RATE.name)
+
+
+@dataclass(frozen=True)
+class ControllerSettings:
+    """What the parameters say, checked: MicrogripperError names what is wrong with them."""
+
+    mode: Mode
+    inverse: InverseKind
+    identified: Identified
+    limits: VoltageLimits
+    gains: PidGains
+    sample_period: float  # s
+
+    @classmethod
+    def of(
+        cls, values: Mapping[str, Any], identified: Identified | None = None
+    ) -> ControllerSettings:
+        """Of the values of the parameters NAMES; the model file is read unless it is known."""
+        check_choice("mode", values["mode"], [mode.value for mode in Mode])
+        check_choice("inverse", values["inverse"], [kind.value for kind in InverseKind])
+        settings = cls(
+            mode=Mode(values["mode"]),
+            inverse=InverseKind(values["inverse"]),
+            identified=identified or load_identified(values["model_file"]),
+            limits=VoltageLimits(**{field: values[name] for name, field in LIMITS.items()}),
+            gains=PidGains(**{name: values[name] for name in (*GAINS, ON_MEASUREMENT)}),
+            sample_period=1.0 / values[SAMPLE_RATE.name],
+        )
+        settings.controller()  # checks what only together is wrong
+        return settings
+
+    def controller(self) -> Controller:
+        """A controller at rest."""
+        return Controller(
+            self.identified,
+            self.sample_period,
+            limits=self.limits,
+            gains=self.gains,
+            mode=self.mode,
+            inverse=self.inverse,
+        )
+
+    def compile(self) -> None:
+        """Run every law once, so that no sample waits for the compiler."""
+        for mode in Mode:
+            controller = replace(self, mode=mode).controller()
+            controller.start(self.limits.safe)
+            for command in self.limits.low, 1e-6, 2e-6:
+                controller.step(command, 0.0, self.limits.safe)
+
+    def change(self, controller: Controller, before: ControllerSettings) -> None:
+        """Bring a running controller from the settings before to these, where they may change."""
+        if self.identified != before.identified:
+            controller.set_identified(self.identified)
+        if self.gains != before.gains:
+            controller.set_gains(self.gains)
+        controller.set_mode(self.mode)
+
+
+def load_identified(model_file: str) -> Identified:
+    """The values that a controller needs of the model in a file."""
+    model = load_model(model_path(model_file))
+    material, mechanics = model.values("bouc_wen"), model.values("second_order")
+    return Identified.from_values(material, mechanics, model.voltage_range)
+
+
+def declare(node: Node) -> None:
+    """Declare the parameters NAMES; limits and gains not given are those that suit the model."""
+    mode, kind = Mode.CASCADE, InverseKind.EXACT
+    declare_text(
+        node, "mode", mode.value, "control law; live", choices=[mode.value for mode in Mode]
+    )
+    declare_text(
+        node,
+        "inverse",
+        kind.value,
+        "how the feedforward inverts the model",
+        choices=[kind.value for kind in InverseKind],
+    )
+    name = declare_text(node, "model_file", MODEL_FILE, f"{MODEL_FILE_TEXT}; live")
+    rate = declare_number(node, SAMPLE_RATE)
+    suited = Controller(load_identified(name), 1.0 / rate)
+    limits = {parameter.name: parameter for parameter in VoltageLimits.parameters()}
+    for name, field in LIMITS.items():
+        nominal = getattr(suited.guard.limits, field)
+        declare_number(node, replace(limits[field], name=name, nominal=nominal))
+    declare_numbers(
+        node,
+        (replace(gain, nominal=getattr(suited.gains, gain.name)) for gain in PidGains.parameters()),
+    )
+    declare_flag(
+        node,
+        ON_MEASUREMENT,
+        suited.gains.derivative_on_measurement,
+        "differentiate the displacement, not the error: a step of the setpoint does not kick",
+    )

@@ -1,0 +1,98 @@
+"""A lifecycle node that starts by itself unless its parameter `autostart` is false."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable
+
+from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+
+from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.nodes.parameters import declare_flag
+from microgripper_control.nodes.shell import Shell
+from microgripper_control.nodes.topics import NAMESPACE
+
+SUCCESS = TransitionCallbackReturn.SUCCESS
+
+
+class ManagedShell(LifecycleNode, Shell):
+    """Says in `configure`, `activate`, `deactivate` and `cleanup` what its transitions do.
+
+    A MicrogripperError in one of them refuses the transition with that reason.
+    """
+
+    def __init__(self, name: str) -> None:
+        LifecycleNode.__init__(self, name, namespace=NAMESPACE)
+        self._equip()
+        self.active = False
+        self._fault: Exception | None = None
+        self._starting = False
+        self._autostart = declare_flag(
+            self, "autostart", True, "configure and activate at start", read_only=True
+        )
+
+    def begin(self) -> None:
+        """Configure and activate; raises what stands in the way."""
+        if self._autostart:
+            self._starting = True  # who started the node is told, not the log
+            for trigger in (self.trigger_configure, self.trigger_activate):
+                if trigger() != SUCCESS:
+                    assert self._fault is not None
+                    raise self._fault
+            self._starting = False
+
+    def leave(self) -> None:
+        """Deactivate, wherever the node stands."""
+        if self.active:
+            self.trigger_deactivate()
+
+    def configure(self) -> None:
+        """Read the parameters and make everything ready."""
+
+    def activate(self) -> None:
+        """Begin to publish."""
+
+    def deactivate(self) -> None:
+        """Stop publishing."""
+
+    def cleanup(self) -> None:
+        """Undo `configure`."""
+
+    def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """As rclpy says."""
+        return self._transition(self.configure)
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """As rclpy says."""
+        result = self._transition(self.activate)
+        self.active = result == SUCCESS
+        return result
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """As rclpy says."""
+        self.active = False
+        return self._transition(self.deactivate)
+
+    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """As rclpy says."""
+        return self._transition(self.cleanup)
+
+    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """As rclpy says: what is active is deactivated first."""
+        return self.on_deactivate(state) if self.active else SUCCESS
+
+    def _transition(self, action: Callable[[], None]) -> TransitionCallbackReturn:
+        # rclpy would swallow the exception and say nothing.
+        try:
+            action()
+        except MicrogripperError as error:
+            self._fault = error
+            if not self._starting:
+                self.get_logger().error(str(error))
+            return TransitionCallbackReturn.FAILURE
+        except Exception as error:
+            self._fault = error
+            if not self._starting:
+                self.get_logger().error(traceback.format_exc())
+            return TransitionCallbackReturn.ERROR
+        return SUCCESS

@@ -1,0 +1,145 @@
+"""Declaring parameters of nodes: description, unit and range are those of the core's Parameter.
+
+A whole number is as good as a float: rclpy takes `kp: 5` for an integer and would refuse it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
+from rclpy.node import Node
+from rclpy.parameter import Parameter as RosParameter
+
+from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.parameters import Parameter
+from microgripper_control.core.share import share_folder
+
+MODEL_FILE = "apa120s.yaml"
+MODEL_FILE_TEXT = "YAML model: a path, or the name of a file in the package's config folder"
+
+
+def declare_number(node: Node, parameter: Parameter, *, read_only: bool = False) -> float:
+    """Declare a floating-point parameter; MicrogripperError if the value given is out of range."""
+    name = parameter.name
+    # Declared without a type first: an integer in its place would otherwise be an error.
+    anything = ParameterDescriptor(dynamic_typing=True)
+    given = node.declare_parameter(name, parameter.nominal, anything).value
+    node.undeclare_parameter(name)
+    if isinstance(given, bool) or not isinstance(given, (int, float)):
+        raise MicrogripperError(f"{name}: {given!r:.60} is not a number")
+    unit = "" if parameter.unit == "1" else f", {parameter.unit}"
+    descriptor = ParameterDescriptor(
+        description=f"{parameter.description}{unit}",
+        floating_point_range=[
+            FloatingPointRange(from_value=float(parameter.low), to_value=float(parameter.high))
+        ],
+        read_only=read_only,
+    )
+    value = parameter.check(float(given), "parameter")
+    node.declare_parameter(name, value, descriptor, ignore_override=True)
+    return value
+
+
+def declare_numbers(
+    node: Node, parameters: Iterable[Parameter], *, read_only: bool = False
+) -> dict[str, float]:
+    """Declare several floating-point parameters; their values by name."""
+    return {p.name: declare_number(node, p, read_only=read_only) for p in parameters}
+
+
+def declare_text(
+    node: Node,
+    name: str,
+    default: str,
+    description: str,
+    *,
+    choices: Sequence[str] = (),
+    read_only: bool = False,
+) -> str:
+    """Declare a text; MicrogripperError where it is none of the `choices`, if there are any."""
+    allowed = f"one of: {', '.join(choices)}" if choices else ""
+    value = str(_declare(node, name, default, description, allowed, read_only=read_only))
+    check_choice(name, value, choices)
+    return value
+
+
+def declare_flag(
+    node: Node, name: str, default: bool, description: str, *, read_only: bool = False
+) -> bool:
+    """Declare a parameter that is true or false."""
+    return bool(_declare(node, name, default, description, read_only=read_only))
+
+
+def declare_whole(
+    node: Node, name: str, default: int, low: int, high: int, description: str
+) -> int:
+    """Declare an integer; rclpy checks the range."""
+    extent = [IntegerRange(from_value=low, to_value=high)]
+    return int(_declare(node, name, default, description, integer_range=extent))
+
+
+def declare_texts(
+    node: Node, name: str, default: Sequence[str], description: str, *, read_only: bool = True
+) -> list[str]:
+    """Declare a list of texts."""
+    # Without a type: rclpy cannot tell of which type an empty list is.
+    given = _declare(
+        node, name, list(default), description, dynamic_typing=True, read_only=read_only
+    )
+    if given is None:  # what rclpy makes of an empty list in YAML
+        return []
+    if isinstance(given, (str, bytes)) or not isinstance(given, Sequence):
+        raise MicrogripperError(f"{name}: {given!r:.60} is not a list of texts")
+    if not all(isinstance(text, str) for text in given):
+        raise MicrogripperError(f"{name}: {list(given)!r:.60} is not a list of texts")
+    return list(given)
+
+
+def check_choice(name: str, value: str, choices: Sequence[str]) -> None:
+    """Raise MicrogripperError naming the choices where `value` is none of them."""
+    if choices and value not in choices:
+        raise MicrogripperError(f"{name}: {value!r:.60} is none of {', '.join(choices)}")
+
+
+def accept_whole_numbers(node: Node) -> None:
+    """Let an integer be set, while the node runs, where a floating-point parameter is."""
+
+    def wanted(given: RosParameter) -> RosParameter:
+        kinds = RosParameter.Type
+        if given.type_ is not kinds.INTEGER or not node.has_parameter(given.name):
+            return given
+        if node.get_parameter(given.name).type_ is not kinds.DOUBLE:
+            return given
+        return RosParameter(given.name, kinds.DOUBLE, float(given.value))
+
+    node.add_pre_set_parameters_callback(lambda given: [wanted(one) for one in given])
+
+
+def model_path(name: str) -> Path:
+    """The file that a `model_file` parameter means; a path that exists comes first."""
+    path = Path(name).expanduser()
+    if path.is_absolute() or path.exists():
+        return path
+    packaged = share_folder() / "config" / path
+    return packaged if packaged.is_file() else path
+
+
+def _declare(
+    node: Node,
+    name: str,
+    default: object,
+    description: str,
+    constraints: str = "",
+    **descriptor: object,
+) -> Any:  # noqa: ANN401 (a parameter's value is of any type)
+    full = ParameterDescriptor(
+        description=description, additional_constraints=constraints, **descriptor
+    )
+    try:
+        return node.declare_parameter(name, default, full).value
+    except (InvalidParameterTypeException, InvalidParameterValueException) as error:
+        raise MicrogripperError(str(error)) from None

@@ -1,0 +1,92 @@
+"""Plays a recording back, in one of two paces.
+
+- `recorded`: publishes the messages of a bag as they were published, `rate` times as fast.
+- `samples`: answers each sample of a simulated plant with the voltage that followed it in the
+  recording, so that the plant gets the very voltages of the rig, sample by sample, also in
+  lockstep. It takes the controller's place, and the recording may be a CSV.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rclpy.duration import Duration
+
+from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.parameters import Parameter
+from microgripper_control.nodes import topics
+from microgripper_control.nodes.health import Health
+from microgripper_control.nodes.parameters import declare_number, declare_text, declare_texts
+from microgripper_control.nodes.playing import AsAnswers, AsRecorded, Playing
+from microgripper_control.nodes.shell import POLL, Shell, run
+
+RECORDED, SAMPLES = "recorded", "samples"
+RATE = Parameter("rate", "1", 1.0, 1e-3, 1e3, "pace recorded: times as fast as it was")
+ALL_RECEIVED = Duration(seconds=4)  # longest wait at the end: a heartbeat of the middleware
+
+
+class Player(Shell):
+    """See the module."""
+
+    def __init__(self) -> None:
+        super().__init__("player")
+        recording = declare_text(self, "recording", "", "bag or CSV to play", read_only=True)
+        pace = declare_text(
+            self,
+            "pace",
+            RECORDED,
+            "as recorded, or one voltage for each sample of the plant",
+            choices=(RECORDED, SAMPLES),
+            read_only=True,
+        )
+        names = declare_texts(self, "topics", [], "pace recorded: topics to play; none: all")
+        wanted = [self.resolve_topic_name(name, only_expand=True) for name in names]
+        self._partners = declare_texts(
+            self, "partners", [], "names of the nodes that must get what is played"
+        )
+        speed = declare_number(self, RATE, read_only=True)
+        if not recording:
+            raise MicrogripperError("recording is empty; name a bag, -p recording:=PATH")
+        self._playing: Playing
+        if pace == SAMPLES:
+            self._playing = AsAnswers(self, Path(recording))
+        else:
+            self._playing = AsRecorded(self, Path(recording), wanted, speed)
+        self._begun = False
+
+    def work(self, now: float) -> float:
+        """As `Shell` says."""
+        if not self._begun:
+            self._begun = not self._missing()
+            return POLL
+        wait = self._playing.work(now)
+        if self._playing.is_over:
+            self.finish(f"{self._playing.played} messages played")
+        return wait
+
+    def leave(self) -> None:
+        """Stay until what was lost on the way has been sent again."""
+        for publisher in self._playing.publishers:
+            publisher.wait_for_all_acked(ALL_RECEIVED)
+
+    def _missing(self) -> list[str]:
+        return [
+            name
+            for publisher in self._playing.publishers
+            for name in topics.missing_partners(self, publisher, self._partners)
+        ]
+
+    def health(self, elapsed: float) -> Health:
+        """As `Shell` says."""
+        if not self._begun:
+            return Health("waiting for " + ", ".join(dict.fromkeys(self._missing())))
+        return Health(values={"messages played": self._playing.played})
+
+
+def main() -> None:
+    """Run the node."""
+    run(Player)
+
+
+if __name__ == "__main__":
+    main()

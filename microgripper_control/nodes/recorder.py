@@ -1,0 +1,164 @@
+"""Records topics into a rosbag2, serialized as they come.
+
+A topic is subscribed to as soon as somebody publishes on it, reliably unless a publisher offers
+less. The messages are taken in batches, past the executor, which would spend a callback on each.
+They are stored under the time at which they were published: that they were received in the same
+order is not certain, and of a sample and the setpoint that answers it the order matters.
+
+The bag is flushed every half second, so that no more than that dies with the process, and completed
+on SIGINT and SIGTERM. Two kinds of loss are told apart: messages that were published and did not
+arrive here, by their sequence numbers, and samples that are missing by the stamps of
+`joint_states`, be it that the plant missed those ticks.
+"""
+
+from __future__ import annotations
+
+import struct
+import time
+from collections.abc import Iterator
+from datetime import datetime
+from operator import itemgetter
+
+from rclpy.qos import ReliabilityPolicy
+from rclpy.subscription import Subscription
+
+from microgripper_control.nodes import topics
+from microgripper_control.nodes.health import Health, Level
+from microgripper_control.nodes.parameters import declare_text, declare_texts
+from microgripper_control.nodes.shell import Shell, run
+from microgripper_control.recordings.losses import Sequence, StampedSamples
+from microgripper_control.recordings.write import STORAGES, BagWriter
+
+USUAL_TOPICS = (
+    topics.JOINT_STATES,
+    topics.SETPOINT,
+    topics.VOLTAGE_SETPOINT,
+    topics.VOLTAGE_COMMAND,
+)
+TAKE_PERIOD = 0.01  # s
+LOOK_PERIOD = 0.05  # s, between looks for publishers
+FLUSH_PERIOD = 0.5  # s
+QUIET = 0.1  # s without a message: at the end nothing is on its way any more
+LONGEST_END = 1.0  # s
+STAMP = struct.Struct("<4xiI")  # of a serialized message that begins with a header
+
+
+class Recorder(Shell):
+    """See the module."""
+
+    def __init__(self) -> None:
+        super().__init__("recorder")
+        name = datetime.now().strftime("recording_%Y_%m_%d-%H_%M_%S")
+        folder = declare_text(self, "out", name, "folder of the bag, a new one", read_only=True)
+        storage = declare_text(
+            self, "storage", "mcap", "format of the bag", choices=list(STORAGES), read_only=True
+        )
+        wanted = declare_texts(self, "topics", USUAL_TOPICS, "topics to record")
+        self._wanted = [self.resolve_topic_name(topic) for topic in wanted]
+        self._stamped = self.resolve_topic_name(topics.JOINT_STATES)
+        self._taken: dict[str, Subscription] = {}
+        self._sequences: dict[str, Sequence] = {}
+        self._samples = StampedSamples()
+        self._looked = self._flushed = 0.0
+        self._bag = BagWriter(folder, storage)
+
+    @property
+    def subscriptions(self) -> Iterator[Subscription]:
+        """Those that the executor serves: none of the recorded ones."""
+        recorded = self._taken.values()
+        return (one for one in super().subscriptions if one not in recorded)
+
+    def work(self, now: float) -> float:
+        """As `Shell` says."""
+        self._take()
+        if now - self._looked >= LOOK_PERIOD:
+            self._looked = now
+            for topic in self._wanted:
+                self._look(topic)
+        if now - self._flushed >= FLUSH_PERIOD:
+            self._flushed = now
+            self._bag.flush()
+        return TAKE_PERIOD
+
+    def leave(self) -> None:
+        """Take what is on its way, then complete the bag."""
+        try:
+            now = time.monotonic()
+            end, quiet = now + LONGEST_END, now + QUIET
+            while time.monotonic() < min(end, quiet):
+                if self._take():
+                    quiet = time.monotonic() + QUIET
+                time.sleep(TAKE_PERIOD)
+        finally:
+            self._bag.close()
+        self.get_logger().info(f"{self._bag.path}: {self._summary()}")
+
+    def _take(self) -> int:
+        """Write what has come; how many messages that was."""
+        batch = []
+        for topic, subscription in self._taken.items():
+            handle = subscription.handle
+            with handle:
+                while (taken := handle.take_message(subscription.msg_type, True)) is not None:
+                    message, info = taken
+                    batch.append((info["source_timestamp"], topic, message, info))
+        batch.sort(key=itemgetter(0))
+        for stamp, topic, message, info in batch:
+            self._note(topic, message, info["publication_sequence_number"])
+            self._bag.write(topic, stamp, message)
+        return len(batch)
+
+    def _note(self, topic: str, message: bytes, number: int) -> None:
+        if topic not in self._sequences:  # an empty topic would only be in the way
+            self._bag.add_topic(topic, topics.name_of(self._taken[topic].msg_type))
+            self._sequences[topic] = Sequence()
+        self._sequences[topic].note(number)
+        if topic == self._stamped:
+            seconds, nanoseconds = STAMP.unpack_from(message)
+            self._samples.note(seconds * 10**9 + nanoseconds)
+
+    def _look(self, topic: str) -> None:
+        """Subscribe where that was not done, or not so that messages would come."""
+        for publisher in self.get_publishers_info_by_topic(topic):
+            reliable = publisher.qos_profile.reliability is ReliabilityPolicy.RELIABLE
+            present = self._taken.get(topic)
+            if present is None:
+                kind = topics.type_named(publisher.topic_type)
+                self._subscribe(topic, kind, reliable=reliable)
+            elif not reliable and present.qos_profile.reliability is ReliabilityPolicy.RELIABLE:
+                self.destroy_subscription(present)
+                self._subscribe(topic, present.msg_type, reliable=False)
+
+    def _subscribe(self, topic: str, kind: type, *, reliable: bool) -> None:
+        quality = topics.quality(topics.KEPT, reliable=reliable)
+        self._taken[topic] = self.create_subscription(kind, topic, _never_called, quality, raw=True)
+
+    def _summary(self) -> str:
+        counts = [f"{one.count} of {topic}" for topic, one in self._sequences.items()]
+        lost = sum(one.lost for one in self._sequences.values())
+        missing = self._samples.missing
+        return f"{', '.join(counts) or 'no messages'}; {lost} lost, {missing} samples missing"
+
+    def health(self, elapsed: float) -> Health:
+        """As `Shell` says."""
+        counts = {f"messages of {topic}": one.count for topic, one in self._sequences.items()}
+        lost = sum(one.lost for one in self._sequences.values())
+        values = {"messages lost": lost, "samples missing": self._samples.missing, **counts}
+        if lost:
+            return Health("messages lost", Level.WARN, values)
+        if self._stamped in self._wanted and self._stamped not in self._sequences:
+            return Health("waiting for joint_states", Level.OK, values)
+        return Health(values=values)
+
+
+def _never_called(message: bytes) -> None:
+    """The messages are taken by `Recorder.work`."""
+
+
+def main() -> None:
+    """Run the node."""
+    run(Recorder)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,143 @@
+"""The topics: names, types and quality of service.
+
+All are relative to the node's namespace, except `/clock` and `/diagnostics`. Each publisher and
+subscription can be overridden by the standard `qos_overrides` parameters.
+
+| topic | type | publishers keep | control loop reads | recorder reads |
+|---|---|---|---|---|
+| joint_states, setpoint, voltage_command, ... | see below | the last 5000 | the newest | the last 5000 |
+
+All of it is reliable: in lockstep a lost message would end the run. A publisher keeps that much so
+that a recorder which the scheduler held up for seconds still gets all of it; the control loop
+itself never sees anything but the newest message.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from importlib import import_module
+from typing import Any, cast
+
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.subscription import Subscription
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64
+
+from microgripper_control.core.errors import MicrogripperError
+
+NAMESPACE = "microgripper"
+JOINT = "finger"
+
+JOINT_STATES = "joint_states"  # one sample: stamp t[k], position x[k] m, velocity m/s, effort u[k] V
+DISPLACEMENT = "displacement"  # x[k], m
+VOLTAGE_COMMAND = "voltage_command"  # V
+SETPOINT = "setpoint"  # wanted displacement, m
+VOLTAGE_SETPOINT = "voltage_setpoint"  # wanted voltage, V, for the controller's mode open_loop
+
+TYPES: dict[str, type] = {
+    JOINT_STATES: JointState,
+    DISPLACEMENT: Float64,
+    VOLTAGE_COMMAND: Float64,
+    SETPOINT: Float64,
+    VOLTAGE_SETPOINT: Float64,
+}
+KEPT = 5000  # messages
+
+
+def quality(depth: int, *, reliable: bool = True) -> QoSProfile:
+    """A new profile: rclpy writes the user's overrides into the one it is given."""
+    reliability = ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT
+    return QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=depth, reliability=reliability)
+
+
+def publish_on(node: Node, topic: str) -> Publisher:
+    """A publisher on one of the topics above."""
+    return node.create_publisher(
+        TYPES[topic],
+        topic,
+        quality(KEPT),
+        qos_overriding_options=QoSOverridingOptions.with_default_policies(),
+    )
+
+
+class Newest:
+    """A subscription to the newest message of one of the topics above, once it is opened."""
+
+    def __init__(self, node: Node, topic: str, callback: Callable[[Any], None]) -> None:
+        self._node = node
+        self._topic = topic
+        self._callback = callback
+        self._subscription: Subscription | None = None
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it is subscribed."""
+        return self._subscription is not None
+
+    def open(self, *, if_published: bool = False) -> None:
+        """Subscribe if that was not done; with `if_published` only where there is a publisher.
+
+        A publisher that counts a subscription made in this order can rely on it: the subscriber
+        knows of the publisher, too. Made in the other order, the first messages may be lost.
+        """
+        if self.is_open or (if_published and not self._node.count_publishers(self._topic)):
+            return
+        self._subscription = self._node.create_subscription(
+            TYPES[self._topic],
+            self._topic,
+            self._callback,
+            quality(1),
+            qos_overriding_options=QoSOverridingOptions.with_default_policies(),
+        )
+
+    def close(self) -> None:
+        """Unsubscribe."""
+        if self._subscription is not None:
+            self._node.destroy_subscription(self._subscription)
+            self._subscription = None
+
+
+def type_named(name: str) -> type:
+    """The message type of a name like `std_msgs/msg/Float64`, of any package that is installed."""
+    package, _, kind = name.partition("/msg/")
+    try:
+        return cast(type, getattr(import_module(f"{package}.msg"), kind))
+    except (ImportError, AttributeError):
+        raise MicrogripperError(f"message type {name} is not installed here") from None
+
+
+def name_of(kind: type) -> str:
+    """The name of a message type, as `type_named` takes it."""
+    return f"{kind.__module__.partition('.')[0]}/msg/{kind.__name__}"
+
+
+def finger(message: JointState) -> tuple[float, float]:
+    """Displacement, m, and voltage, V, in a message of joint_states; NaN where it has none."""
+    names = message.name
+    at = names.index(JOINT) if JOINT in names else 0
+    position, effort = message.position, message.effort
+    return (
+        position[at] if at < len(position) else math.nan,
+        effort[at] if at < len(effort) else math.nan,
+    )
+
+
+def stamp_of(message: JointState) -> int:
+    """The stamp, ns."""
+    stamp = message.header.stamp
+    nanoseconds: int = stamp.sec * 10**9 + stamp.nanosec
+    return nanoseconds
+
+
+def missing_partners(node: Node, publisher: Publisher, partners: Sequence[str]) -> list[str]:
+    """Those of the named nodes that do not yet get what the publisher publishes."""
+    subscriptions = node.get_subscriptions_info_by_topic(publisher.topic_name)
+    present = {subscription.node_name for subscription in subscriptions}
+    missing = [name for name in partners if name not in present]
+    if not missing and publisher.get_subscription_count() < len(subscriptions):
+        return sorted(present)  # known of, but not all are connected yet
+    return missing

@@ -1,0 +1,86 @@
+"""The slew limit against closed forms and a naive integration in small steps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from microgripper_control.core.signals import Array
+from microgripper_control.plant.model import Model
+from microgripper_control.plant.simulate import simulate
+
+RISE, FALL = 2e-4, 5e-4  # s/V
+LIMITS = {"rise": RISE, "fall": FALL}
+STEPS = (0.1e-3, 0.35e-3, 0.05e-3, 0.5e-3)  # s
+Alone = Callable[..., Array]
+
+
+def test_a_jump_becomes_a_ramp(alone: Alone) -> None:
+    up = alone("slew_limit", LIMITS, np.full(80, 50.0), STEPS)
+    t = np.cumsum(np.resize(STEPS, 80))
+    np.testing.assert_allclose(up, np.minimum(t / RISE, 50.0), rtol=1e-12)
+    down = alone("slew_limit", LIMITS, np.full(160, 0.0), STEPS, level=50.0)
+    t = np.cumsum(np.resize(STEPS, 160))
+    np.testing.assert_allclose(down, np.maximum(50.0 - t / FALL, 0.0), rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize("ramped", [False, True])
+def test_any_input_is_followed_as_fast_as_allowed(alone: Alone, ramped: bool) -> None:
+    """The rule itself, in steps a thousand times smaller."""
+    signal = np.random.default_rng(2).normal(scale=3.0, size=300).cumsum()
+    small, step = 1000, 5e-4
+    dt = step / small
+    y, old, expected = 0.0, 0.0, []
+    for new in signal:
+        for i in range(1, small + 1):
+            goal = old + (new - old) * i / small if ramped else new
+            y += min(max(goal - y, -dt / FALL), dt / RISE)
+        expected.append(y)
+        old = new
+    out = alone("slew_limit", LIMITS, signal, (step,), ramped=ramped)
+    np.testing.assert_allclose(out, expected, atol=3.0 * dt / RISE)
+    assert np.std(out - signal) > 0.3  # it did limit
+
+
+def test_one_way_can_be_free(alone: Alone) -> None:
+    signal = np.array([10.0, 10.0, -10.0, -10.0])
+    out = alone("slew_limit", {"rise": 0.0, "fall": 1e-3}, signal, (5e-3,))
+    np.testing.assert_allclose(out, [10.0, 10.0, 5.0, 0.0])
+
+
+def test_what_is_slow_enough_passes(alone: Alone) -> None:
+    signal = np.linspace(0.0, 1.0, 100)
+    out = alone("slew_limit", LIMITS, signal, (1e-3,), ramped=True)
+    np.testing.assert_allclose(out, signal, rtol=1e-12)
+
+
+def test_large_steps_show_it_and_small_ones_do_not(paper: Model) -> None:
+    """At 40 us/V this rig rests again within a sample from up to 20 V."""
+    model = paper.with_link("slew_limit", rise=4e-5, fall=4e-5)
+    for height, seen in ((15.0, False), (80.0, True)):
+        u = np.repeat([0.0, height, 0.0], 50)
+        difference = np.max(np.abs(simulate(model, u, 1e-3) - simulate(paper, u, 1e-3)))
+        assert difference > 1e-6 if seen else difference < 1e-9
+
+
+def test_the_corner_is_drawn_finely_enough(
+    slow: Model, lively: Array, finely: Callable[[Model, Array, float], Array]
+) -> None:
+    absent = simulate(slow, lively, 1e-3)
+    for limit in (1e-6, 1e-5, 4e-5, 2e-4):
+        model = slow.with_link("slew_limit", rise=limit, fall=limit)
+        expected = finely(model, lively, 1e-3)
+        error = np.linalg.norm(simulate(model, lively, 1e-3) - expected)
+        assert error < 0.03 * np.linalg.norm(absent - expected)
+
+
+def test_a_planted_limit_is_found(
+    paper: Model, lively: Array, recover: Callable[..., tuple[Array, Array]]
+) -> None:
+    truth = [6e-5, 1.1e-4]
+    rig = paper.with_link("slew_limit", rise=truth[0], fall=truth[1])
+    found, errors = recover(rig, "slew_limit", {"rise": 8e-5, "fall": 8e-5}, lively, 1e-3)
+    assert np.all(np.abs(found - truth) < 4.0 * errors)
+    assert np.all(errors < 0.002 * np.array(truth))

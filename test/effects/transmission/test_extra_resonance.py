@@ -1,0 +1,95 @@
+"""The extra mode against linear theory."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from scipy.signal import cont2discrete, lfilter
+
+from microgripper_control.core.signals import POSITION, Array
+from microgripper_control.plant.model import Model
+from microgripper_control.plant.simulate import Initial, simulate
+
+Alone = Callable[..., Array]
+every_share = pytest.mark.parametrize("share", [-0.5, 0.2, 1.0, 2.0])
+
+
+def mode(share: float, frequency: float, damping: float) -> tuple[list[float], list[float]]:
+    """Transfer function from x to the finger."""
+    omega = 2.0 * np.pi * frequency
+    rest = 1.0 - share
+    numerator = [omega**2] if rest == 0.0 else [rest, rest * 2.0 * damping * omega, omega**2]
+    return numerator, [1.0, 2.0 * damping * omega, omega**2]
+
+
+@every_share
+def test_alone_it_is_exact(alone: Alone, share: float) -> None:
+    values = {"share": share, "frequency": 180.0, "damping": 0.03}
+    x = np.random.default_rng(5).normal(size=300).cumsum()
+    x[0] = 0.0
+    out = alone("extra_resonance", values, x, (0.4e-3,), row=POSITION, ramped=True)
+    numerator, denominator, _ = cont2discrete(mode(**values), 0.4e-3, "foh")
+    np.testing.assert_allclose(out, lfilter(numerator[0], denominator, x), atol=1e-9)
+
+
+@every_share
+@pytest.mark.parametrize("frequency", [60.0, 350.0, 800.0])
+@pytest.mark.parametrize("rig", ["paper", "slow"])
+def test_behind_the_mechanics_it_meets_theory(
+    rig: str,
+    request: pytest.FixtureRequest,
+    without_hysteresis: Callable[[Model], Model],
+    lively: Array,
+    share: float,
+    frequency: float,
+) -> None:
+    linear = without_hysteresis(request.getfixturevalue(rig))
+    values = {"share": share, "frequency": frequency, "damping": 0.02}
+    v = linear.values("second_order")
+    gain = linear.value("bouc_wen", "d") * v["k"]
+    numerator, denominator = mode(**values)
+    system = (
+        gain * np.array(numerator),
+        np.polymul(denominator, [v["m"], v["b"], v["k"] + v["k_s"]]),
+    )
+    discrete, poles, _ = cont2discrete(system, 1e-3, "zoh")
+    expected = lfilter(discrete[0], poles, lively)
+    found = simulate(linear.with_link("extra_resonance", **values), lively, 1e-3)
+    absent = simulate(linear, lively, 1e-3)
+    assert np.linalg.norm(found - expected) < 0.02 * np.linalg.norm(absent - expected)
+
+
+def test_the_gain_at_rest_stays_one(paper: Model) -> None:
+    settled = np.full(50, 90.0)
+    expected = simulate(paper, settled, 1e-3, initial=Initial.FIRST_SAMPLE)
+    model = paper.with_link("extra_resonance", share=1.0)
+    found = simulate(model, settled, 1e-3, initial=Initial.FIRST_SAMPLE)
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+
+
+def test_it_rings_at_its_frequency_and_dies_away_as_damped(paper: Model) -> None:
+    model = paper.with_link("extra_resonance", share=0.3, frequency=100.0, damping=0.05)
+    u = np.full(2000, 60.0)
+    ring = (simulate(model, u, 2e-4) - simulate(paper, u, 2e-4))[50:1000]
+    peaks = 50 + np.flatnonzero((ring[1:-1] > ring[:-2]) & (ring[1:-1] > ring[2:])) + 1
+    period = 2e-4 * np.diff(peaks).mean()
+    assert period == pytest.approx(1.0 / (100.0 * np.sqrt(1.0 - 0.05**2)), rel=5e-3)
+    decay = np.log(ring[peaks[0] - 50] / ring[peaks[4] - 50]) / 4.0
+    assert decay == pytest.approx(2.0 * np.pi * 0.05 / np.sqrt(1.0 - 0.05**2), rel=0.02)
+
+
+@pytest.mark.parametrize("truth", [[0.15, 140.0, 0.03], [-0.1, 310.0, 0.06]])
+def test_a_planted_mode_is_found(
+    paper: Model,
+    lively: Array,
+    recover: Callable[..., tuple[Array, Array]],
+    truth: list[float],
+) -> None:
+    names = ("share", "frequency", "damping")
+    rig = paper.with_link("extra_resonance", **dict(zip(names, truth, strict=True)))
+    start = {"share": 0.7 * truth[0], "frequency": 1.03 * truth[1], "damping": 0.04}
+    found, errors = recover(rig, "extra_resonance", start, lively, 1e-3)
+    assert np.all(np.abs(found - truth) < 4.0 * errors)
+    assert np.all(errors < 0.02 * np.abs(truth))

@@ -1,0 +1,205 @@
+from __future__ import annotations
+
+import math
+import signal
+from typing import Any
+
+import numpy as np
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
+from rcl_interfaces.msg import Parameter, ParameterValue
+from rcl_interfaces.srv import GetParameters, SetParameters, SetParametersAtomically
+from rclpy.parameter import Parameter as RosParameter
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64
+
+from microgripper_control.plant.model import nominal_model
+from microgripper_control.plant.model_file import save_model
+from microgripper_control.plant.rig import Rig
+
+pytestmark = pytest.mark.ros
+
+GAIN = 1.42e-7  # m/V, about
+
+
+class Loop:
+    """The test in the plant's place: sends samples and gets the answers, one by one."""
+
+    def __init__(self, start: Any, watcher: Any, **settings: Any) -> None:
+        self.watcher = watcher
+        self.answers = watcher.messages(Float64, "voltage_command")
+        self.node = start("controller", setpoint_wait=0, **settings)
+        self.states = watcher.publisher(JointState, "joint_states")
+        self.setpoints = watcher.publisher(Float64, "setpoint")
+        watcher.published("voltage_command")
+        self.tick = 0
+
+    def answer(self, position: float, voltage: float) -> float:
+        """The controller's answer to one sample."""
+        state = JointState(name=["finger"], position=[position], effort=[voltage])
+        state.header.stamp.nanosec = self.tick * 1_000_000
+        self.tick += 1
+        count = len(self.answers)
+        self.states.publish(state)
+        self.watcher.until(lambda: len(self.answers) > count, "an answer")
+        return float(self.answers[-1].data)
+
+    def ask(self, setpoint: float) -> None:
+        """Set a setpoint; the samples that follow prove that it came."""
+        self.setpoints.publish(Float64(data=setpoint))
+
+    def set(self, name: str, value: Any) -> str:
+        """Set a parameter; the reason why not."""
+        kind = RosParameter.Type.from_parameter_value(value)
+        request = SetParameters.Request(
+            parameters=[RosParameter(name, kind, value).to_parameter_msg()]
+        )
+        (result,) = self.watcher.call(SetParameters, "controller/set_parameters", request).results
+        assert result.successful == (not result.reason)
+        return str(result.reason)
+
+    def get(self, name: str) -> Any:
+        request = GetParameters.Request(names=[name])
+        (value,) = self.watcher.call(GetParameters, "controller/get_parameters", request).values
+        return RosParameter.from_parameter_msg(Parameter(name=name, value=value)).value
+
+    def run(self, rig: Rig, ticks: int) -> float:
+        """Close the loop over a rig; the last displacement."""
+        for _ in range(ticks):
+            rig.tick()
+            rig.command(self.answer(rig.position, rig.voltage))
+        return rig.position
+
+
+def test_one_answer_for_each_sample_from_a_bumpless_start_on(start: Any, watcher: Any) -> None:
+    loop = Loop(start, watcher)
+    # Nothing is known of a plant that reports no voltage: nothing is said.
+    loop.states.publish(JointState(name=["finger"], position=[0.0]))
+    assert [loop.answer(0.0, 33.0) for _ in range(3)] == [33.0] * 3
+    # Wild samples and setpoints change nothing.
+    assert loop.answer(math.nan, 33.0) == 33.0
+    assert loop.answer(math.inf, math.nan) == 33.0
+    loop.ask(math.nan)
+    assert loop.answer(0.0, 33.0) == 33.0
+    assert loop.answer(33.0 * GAIN, 33.0) == 33.0
+    assert len(loop.answers) == loop.tick
+    assert loop.node.stop() == 0
+
+
+def test_it_brings_the_plant_to_the_setpoint_in_every_mode(start: Any, watcher: Any) -> None:
+    loop = Loop(start, watcher, mode="pid")
+    rig = Rig(nominal_model(), 1e-3)
+    loop.run(rig, 2)
+    for goal, mode in ((5e-6, "pid"), (8e-6, "feedforward"), (6e-6, "cascade")):
+        assert loop.set("mode", mode) == ""
+        before = rig.voltage
+        loop.ask(goal)
+        loop.run(rig, 1)
+        assert abs(rig.voltage - before) <= 20.0 + 1e-9  # the rate limit: 2e4 V/s
+        assert loop.run(rig, 300) == pytest.approx(goal, abs=0.01e-6)
+    # In open loop the command is a voltage, of a topic of its own: the setpoint counts no more.
+    voltages = watcher.publisher(Float64, "voltage_setpoint")
+    assert loop.set("mode", "open_loop") == ""
+    held = rig.voltage
+    loop.ask(2e-6)
+    loop.run(rig, 10)
+    assert rig.voltage == held
+    voltages.publish(Float64(data=70.0))
+    watcher.until(lambda: loop.run(rig, 20) is not None and rig.voltage == 70.0, "70 V")
+    voltages.publish(Float64(data=1e9))
+    watcher.until(lambda: loop.run(rig, 20) is not None and rig.voltage == 160.0, "160 V")
+
+
+def test_the_parameters_of_a_running_controller(start: Any, watcher: Any, tmp_path: Any) -> None:
+    loop = Loop(start, watcher, kp=5, voltage_max=150)
+    assert (loop.get("kp"), type(loop.get("kp"))) == (5.0, float)
+    assert loop.set("kp", 7) == ""
+    assert loop.get("kp") == 7.0
+    # Refused, with the reason.
+    assert "kp" in loop.set("kp", -1.0)
+    assert "kp" in loop.set("kp", math.nan)
+    assert "none of open_loop, feedforward, pid, cascade" in loop.set("mode", "sideways")
+    assert "configure" in loop.set("voltage_max", 100.0)
+    assert "nowhere.yaml" in loop.set("model_file", "nowhere.yaml")
+    assert loop.get("kp") == 7.0
+    # All or nothing.
+    values = {"kp": 9.0, "ki": -1.0}
+    request = SetParametersAtomically.Request(
+        parameters=[
+            Parameter(name=name, value=ParameterValue(type=3, double_value=value))
+            for name, value in values.items()
+        ]
+    )
+    answer = watcher.call(
+        SetParametersAtomically, "controller/set_parameters_atomically", request
+    )
+    assert not answer.result.successful
+    assert loop.get("kp") == 7.0
+    # Identified values come as a file; those that do not allow the limits are refused.
+    narrow = tmp_path / "narrow.yaml"
+    save_model(nominal_model(), narrow)
+    narrow.write_text(narrow.read_text().replace("high: 160.0", "high: 100.0"))
+    assert "exceed the model's voltage range" in loop.set("model_file", str(narrow))
+    other = tmp_path / "other.yaml"
+    save_model(nominal_model().with_values({("bouc_wen", "d"): 2e-7}), other)
+    assert loop.set("mode", "feedforward") == ""
+    assert loop.answer(0.0, 0.0) == 0.0
+    assert loop.set("model_file", str(other)) == ""
+    loop.ask(5e-6)
+    while loop.answers[-1].data == 0.0:
+        loop.answer(0.0, 0.0)
+    for _ in range(30):  # the difference between the models fades at the ramp rate
+        answer = loop.answer(0.0, loop.answers[-1].data)
+    assert answer == pytest.approx(5e-6 / (GAIN * 2e-7 / 1.4447e-7), rel=0.1)
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_in_the_end_the_voltage_is_brought_down(start: Any, watcher: Any, number: int) -> None:
+    loop = Loop(start, watcher, mode="open_loop", ramp_rate=1000, safe_voltage=10)
+    loop.answer(0.0, 0.0)
+    watcher.publisher(Float64, "voltage_setpoint").publish(Float64(data=100.0))
+    while loop.answers[-1].data < 100.0:
+        loop.answer(0.0, loop.answers[-1].data)
+    del loop.answers[:]
+    assert loop.node.stop(number) == 0
+    watcher.until(lambda: len(loop.answers) >= 92, "the whole ramp")
+    ramp = np.array([100.0, *(answer.data for answer in loop.answers)])
+    np.testing.assert_allclose(np.diff(ramp)[:90], -1.0)
+    assert set(ramp[90:]) == {10.0}
+
+
+def test_deactivated_by_a_supervisor_it_brings_the_voltage_down(start: Any, watcher: Any) -> None:
+    loop = Loop(start, watcher, mode="pid")
+    rig = Rig(nominal_model(), 1e-3)
+    loop.run(rig, 1)
+    loop.ask(5e-6)
+    loop.run(rig, 50)
+    request = ChangeState.Request(transition=Transition(id=Transition.TRANSITION_DEACTIVATE))
+    assert watcher.call(ChangeState, "controller/change_state", request).success
+    watcher.until(lambda: loop.answers[-1].data == 0.0, "0 V")
+    request = ChangeState.Request(transition=Transition(id=Transition.TRANSITION_ACTIVATE))
+    assert watcher.call(ChangeState, "controller/change_state", request).success
+    watcher.until(lambda: loop.states.get_subscription_count() > 0, "it to listen again")
+    rig.command(0.0)
+    rig.tick()
+    assert loop.answer(rig.position, 0.0) == 0.0
+
+
+def test_its_health_tells_of_what_is_wrong(start: Any, watcher: Any) -> None:
+    reports = watcher.messages(DiagnosticArray, "/diagnostics")
+    loop = Loop(start, watcher)
+
+    def told(message: str) -> bool:
+        return bool(reports) and reports[-1].status[0].message == message
+
+    watcher.until(lambda: told("waiting for joint_states"), "the first state")
+    loop.answer(0.0, 0.0)
+    watcher.until(
+        lambda: loop.answer(0.0, 0.0) is not None and told("waiting for a setpoint"), "the next"
+    )
+    loop.ask(1.0)
+    wrong = "setpoints not finite or out of reach"
+    watcher.until(lambda: loop.answer(0.0, 0.0) is not None and told(wrong), "what is wrong")
+    watcher.until(lambda: told("no joint_states to answer"), "the loss of the plant")

@@ -1,0 +1,66 @@
+"""Plant, controller, reference and recorder together, in lockstep."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from microgripper_control.control.setpoints import Sine
+from microgripper_control.core.recording import Recording
+from microgripper_control.plant.model import nominal_model
+from microgripper_control.plant.model_file import save_model
+from microgripper_control.recordings.read import read_recording
+
+pytestmark = pytest.mark.ros
+
+WAVE = {"shape": "sine", "low": 4e-6, "high": 14e-6, "frequency": 2.0}
+
+
+def experiment(start: Any, out: Path, length: float, **plant: Any) -> Recording:
+    """Record a run from its first sample to its last."""
+    recorder = start("recorder", out=str(out))
+    controller = start("controller", lockstep=True, partners=["plant_simulator", "recorder"])
+    reference = start(
+        "reference", partners=["controller", "recorder"], at_end="stop", length=length, **WAVE
+    )
+    simulator = start(
+        "plant_simulator",
+        lockstep=True,
+        partners=["controller", "reference", "recorder"],
+        duration=length,
+        **plant,
+    )
+    assert simulator.ended() == 0
+    assert reference.ended() == 0
+    assert controller.stop() == 0
+    assert recorder.stop() == 0
+    return read_recording(out)
+
+
+def test_two_runs_with_one_seed_are_the_same_to_the_bit(start: Any, tmp_path: Path) -> None:
+    first = experiment(start, tmp_path / "first", 1.5, seed=5)
+    again = experiment(start, tmp_path / "again", 1.5, seed=5)
+    assert first.warnings == ()
+    assert len(first) == len(again) == 1500
+    assert (first.start, first.sample_period) == (0.0, 0.001)
+    for quantity in ("voltage", "displacement", "setpoint"):
+        np.testing.assert_array_equal(getattr(first, quantity), getattr(again, quantity))
+    # Each setpoint is the one of its sample.
+    wanted = Sine(low=4e-6, high=14e-6, frequency=2.0).samples(1500, 0.001)
+    np.testing.assert_array_equal(first.setpoint, wanted)
+
+
+def test_the_cascade_tracks_a_plant_that_is_not_quite_its_model(start: Any, tmp_path: Path) -> None:
+    nominal = nominal_model()
+    off = {(link, name): 1.1 * nominal.value(link, name) for link, name in (
+        ("bouc_wen", "d"), ("bouc_wen", "alpha"), ("bouc_wen", "beta"), ("bouc_wen", "gamma"))}
+    save_model(nominal.with_values(off), tmp_path / "off.yaml")
+    run = experiment(
+        start, tmp_path / "bag", 2.5, model_file=str(tmp_path / "off.yaml"), noise_std=0
+    )
+    assert run.setpoint is not None
+    error = (run.measured - run.setpoint)[1000:]
+    assert np.sqrt(np.mean(error**2)) < 0.004 * np.ptp(run.setpoint)

@@ -1,0 +1,97 @@
+from __future__ import annotations
+
+import signal
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64, String
+
+from microgripper_control.recordings.bag import Bag
+from microgripper_control.recordings.read import read_recording
+
+pytestmark = pytest.mark.ros
+
+COUNT = 2000
+NUMBERS = np.arange(float(COUNT))
+
+
+def publish_at_1_khz(watcher: Any) -> None:
+    """Sample, setpoint and command, numbered, once a millisecond."""
+    states = watcher.publisher(JointState, "joint_states")
+    setpoints = watcher.publisher(Float64, "setpoint")
+    commands = watcher.publisher(Float64, "voltage_command")
+    state = JointState(name=["finger"], position=[0.0], velocity=[0.0], effort=[0.0])
+    begin = time.monotonic()
+    for tick in range(COUNT):
+        state.header.stamp.nanosec = (tick % 1000) * 1_000_000
+        state.header.stamp.sec = tick // 1000
+        state.position[0], state.effort[0] = 1e-6 * tick, float(tick)
+        states.publish(state)
+        setpoints.publish(Float64(data=float(tick)))
+        commands.publish(Float64(data=float(-tick)))
+        time.sleep(max(0.0, begin + 1e-3 * (tick + 1) - time.monotonic()))
+
+
+@pytest.mark.parametrize(
+    ("storage", "number"), [("mcap", signal.SIGINT), ("sqlite3", signal.SIGTERM)]
+)
+def test_nothing_is_lost_at_1_khz(
+    start: Any, watcher: Any, tmp_path: Path, storage: str, number: int
+) -> None:
+    recorder = start("recorder", out="bag", storage=storage)
+    publish_at_1_khz(watcher)
+    assert recorder.stop(number) == 0
+    assert "0 lost, 0 samples missing" in recorder.log
+
+    run = read_recording(tmp_path / "bag")
+    assert run.warnings == ()
+    np.testing.assert_array_equal(run.voltage, NUMBERS)
+    np.testing.assert_array_equal(run.measured, 1e-6 * NUMBERS)
+    # Each setpoint is that of its sample: the order of publishing is kept.
+    np.testing.assert_array_equal(run.setpoint, NUMBERS)
+    with Bag(tmp_path / "bag") as bag:
+        (topic,) = (topic for topic in bag.topics if topic.name == "/microgripper/voltage_command")
+        values = [deserialize_message(m, Float64).data for _, _, m in bag.messages([topic])]
+    np.testing.assert_array_equal(values, -NUMBERS)
+
+
+def test_what_was_flushed_survives_the_death_of_the_recorder(
+    start: Any, watcher: Any, tmp_path: Path
+) -> None:
+    recorder = start("recorder", out="bag")
+    publish_at_1_khz(watcher)
+    # The last half second may be lost; wait it out by the health report that follows.
+    time_of_last = time.monotonic()
+    watcher.until(lambda: time.monotonic() > time_of_last + 1.0, "the last flush")
+    recorder.process.kill()
+    recorder.process.wait()
+    run = read_recording(tmp_path / "bag")
+    assert len(run) == COUNT
+    assert run.warnings
+
+
+def test_other_topics_and_other_qualities(start: Any, watcher: Any, tmp_path: Path) -> None:
+    best_effort = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
+    states = watcher.node.create_publisher(JointState, "joint_states", best_effort)
+    texts = watcher.node.create_publisher(String, "/elsewhere/notes", QoSProfile(depth=100))
+    recorder = start("recorder", out="bag", topics=["joint_states", "/elsewhere/notes"])
+    for publisher in (states, texts):
+        watcher.until(lambda p=publisher: p.get_subscription_count() > 0, "the recorder")
+    for tick in range(20):
+        state = JointState(name=["finger"], position=[0.0], effort=[float(tick)])
+        state.header.stamp.nanosec = tick * 1_000_000
+        states.publish(state)
+    texts.publish(String(data="begun"))
+    assert recorder.stop() == 0
+    np.testing.assert_array_equal(read_recording(tmp_path / "bag").voltage, np.arange(20.0))
+    with Bag(tmp_path / "bag") as bag:
+        assert {str(topic) for topic in bag.topics} == {
+            "/elsewhere/notes (std_msgs/msg/String)",
+            "/microgripper/joint_states (sensor_msgs/msg/JointState)",
+        }

@@ -1,0 +1,78 @@
+from __future__ import annotations
+
+import signal
+from typing import Any
+
+import pytest
+
+from microgripper_control.nodes.controller import ControllerNode
+from microgripper_control.nodes.identifier import Identifier
+from microgripper_control.nodes.plant_simulator import PlantSimulator
+from microgripper_control.nodes.player import Player
+from microgripper_control.nodes.recorder import Recorder
+from microgripper_control.nodes.reference import Reference
+from microgripper_control.nodes.shell import Shell, run
+
+pytestmark = pytest.mark.ros
+
+BAD = [
+    (PlantSimulator, ["sample_rate:=-5"], "sample_rate = -5 is outside its range 0.1 .. 20000 Hz"),
+    (PlantSimulator, ["model_file:=nowhere.yaml"], "nowhere.yaml: cannot be read"),
+    (PlantSimulator, ["lockstep:=7"], "'lockstep' to '7' of type 'INTEGER', expecting type 'BOOL'"),
+    (PlantSimulator, ["noise_std:=much"], "noise_std: 'much' is not a number"),
+    (ControllerNode, ["kp:=-1"], "kp = -1 is outside its range"),
+    (ControllerNode, ["mode:=sideways"], "mode: 'sideways' is none of open_loop, feedforward"),
+    (ControllerNode, ["voltage_max:=200"], "exceed the model's voltage range 0 .. 160 V"),
+    (ControllerNode, ["safe_voltage:=155", "voltage_max:=150"], "safe = 155 V must lie within"),
+    (Reference, ["shape:=circle"], "shape: 'circle' is none of step, staircase"),
+    (Reference, ["frequency:=-1"], "frequency = -1 is outside its range"),
+    (Reference, ["shape:=csv", "file:=nowhere.csv"], "nowhere.csv: cannot be read"),
+    (Reference, ["segments:=[a]"], "a.length: a segment needs one"),
+    (Reference, ["shape:=multisine", "highest:=900"], "end below 500 Hz"),
+    (Recorder, ["out:=."], "exists already"),
+    (Recorder, ["storage:=tape"], "storage: 'tape' is none of mcap, sqlite3"),
+    (Player, [], "recording is empty"),
+    (Player, ["recording:=nowhere"], "nowhere: does not exist"),
+    (Identifier, [], "recordings is empty"),
+    (Identifier, ["recordings:=[nowhere]"], "nowhere: does not exist"),
+    (PlantSimulator, [":=5"], "parameter override"),
+]
+
+
+@pytest.mark.parametrize(("make", "given", "message"), BAD, ids=lambda value: str(value)[:40])
+def test_bad_input_gets_one_line_and_exit_status_2(
+    ros_domain: dict[str, str],
+    tmp_path: Any,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+    make: type[Shell],
+    given: list[str],
+    message: str,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    before = signal.getsignal(signal.SIGTERM)
+    with pytest.raises(SystemExit) as ending:
+        run(make, ["--ros-args", *(word for one in given for word in ("-p", one))])
+    assert ending.value.code == 2
+    # The last line: the middleware may have had something to say before.
+    (line,) = capfd.readouterr().err.splitlines()[-1:]
+    assert message in line
+    assert not list(tmp_path.glob("[!r]*")), "half-written files"
+    assert signal.getsignal(signal.SIGTERM) == before
+
+
+def test_every_node_ends_by_signal_with_exit_status_0(start: Any, tmp_path: Any) -> None:
+    save = tmp_path / "wave.csv"
+    save.write_text("time_s,voltage_V\n" + "".join(f"{k / 1000},{k % 50}\n" for k in range(100)))
+    nodes = [
+        start("plant_simulator"),
+        start("controller"),
+        start("reference"),
+        start("recorder"),
+        start("player", recording=str(save), pace="samples", partners=["nobody"]),
+    ]
+    for node in nodes:
+        while "starting" not in node.log:
+            assert node.process.poll() is None, node.log
+    for number, node in enumerate(nodes):
+        assert node.stop((signal.SIGINT, signal.SIGTERM)[number % 2]) == 0, node.name
