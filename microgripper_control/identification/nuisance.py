@@ -66,7 +66,7 @@ class Nuisance:
 
 def courses(model: Model, recording: Recording) -> Array:
     """What the weights multiply, shape (p, n): the zero, unless frozen, then each link's own."""
-    time: Array = recording.sample_period * np.arange(len(recording))
+    time = np.asarray(recording.sample_period * np.arange(len(recording)), dtype=np.float64)
     rows: list[Array] = []
     if "sensor_zero" not in model.settings:
         rows.append(np.ones((1, len(recording))))

@@ -168,7 +168,7 @@ class Problem:
 
     @cached_property
     def _with_courses(self) -> set[str]:
-        moments = np.zeros(2)
+        moments = np.arange(2.0)
         return {
             name
             for name in self.model.settings

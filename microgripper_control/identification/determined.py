@@ -1,0 +1,124 @@
+"""Which parameters the recordings determine.
+
+What they do not stays at its nominal value and is named, instead of a number being invented.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from microgripper_control.core.signals import Array
+from microgripper_control.effects.registry import registry
+from microgripper_control.identification.confidence import autocorrelation_time, covariance
+from microgripper_control.identification.problem import Problem
+from microgripper_control.identification.search import descend
+from microgripper_control.plant.model import Key, Model
+
+LARGEST_RELATIVE_ERROR = 0.3  # a standard error above this share of a value determines nothing
+SIGNIFICANT_RISE = 6.63  # of chi-squared, one degree of freedom, 99 %
+DYNAMIC: tuple[Key, ...] = (("second_order", "m"), ("second_order", "b"))
+STIFFNESSES: tuple[Key, ...] = (("second_order", "k"), ("second_order", "k_s"))
+
+
+@dataclass(frozen=True)
+class Undetermined:
+    """A parameter that stays at its nominal value, and why."""
+
+    key: Key
+    reason: str
+
+
+def free_parameters(model: Model) -> tuple[tuple[Key, ...], tuple[Undetermined, ...]]:
+    """What a fit may change, and what it may not, with the reason."""
+    free, undetermined = [], []
+    for link, settings in model.settings.items():
+        for name, setting in settings.items():
+            declared = registry()[link].parameter(name)
+            if setting.frozen:
+                undetermined.append(Undetermined((link, name), "frozen in the model"))
+            elif declared.fitted:
+                free.append((link, name))
+    reason = "k and k_s show only together, as the gain d k/(k + k_s)"
+    named = {entry.key for entry in undetermined}
+    undetermined += [Undetermined(key, reason) for key in STIFFNESSES if key not in named]
+    return tuple(free), tuple(undetermined)
+
+
+def variances(problem: Problem, z: Array) -> Array:
+    """Variances of z, shape (len(z),)."""
+    residuals = problem.split_residuals(z)
+    return np.diag(covariance(problem.jacobian(z), residuals, problem.eliminated))
+
+
+def _errors(problem: Problem, z: Array) -> Array:
+    """Standard error of each free parameter relative to its size."""
+    return np.sqrt(variances(problem, z)[: len(problem.free)])
+
+
+def _extended(problem: Problem, z: Array, extra: Sequence[Key]) -> tuple[Problem, Array]:
+    """The problem with more free parameters, and the same point in it."""
+    model = problem.model_at(z)
+    wider = replace(problem, model=model, free=(*problem.free, *extra))
+    return wider, wider.point(model, problem.initial_hysteresis(z))
+
+
+def add_dynamics(
+    problem: Problem, z: Array, dynamic: tuple[Key, ...]
+) -> tuple[Array, Problem, tuple[Undetermined, ...]]:
+    """Fit mass and damping, too, where the recordings show the resonance."""
+    wider, point = _extended(problem, z, dynamic)
+    errors = _errors(wider, point)[-len(dynamic) :]
+    seen = [key for key, e in zip(dynamic, errors, strict=True) if e < LARGEST_RELATIVE_ERROR]
+    unseen = tuple(
+        Undetermined(key, "the recording is too slow to show the resonance")
+        for key in dynamic
+        if key not in seen
+    )
+    if not seen:
+        return z, problem, unseen
+    wider, point = _extended(problem, z, seen)
+    return descend(wider, point), wider, unseen
+
+
+def drop_undetermined(
+    problem: Problem, z: Array, nominal: Model
+) -> tuple[Array, Problem, tuple[Undetermined, ...]]:
+    """Return to its nominal value, one at a time, what the data neither tell nor contradict.
+
+    A wide interval alone is no reason: the parameter must also fit as well at its nominal value.
+    """
+    dropped: list[Undetermined] = []
+    needed: set[Key] = set()
+    while len(problem.free) > 1:
+        errors = _errors(problem, z)
+        open_ones = [
+            (float(error), key)
+            for error, key in zip(errors, problem.free, strict=True)
+            if error > LARGEST_RELATIVE_ERROR and key not in needed
+        ]
+        if not open_ones:
+            break
+        error, key = max(open_ones)
+        model = problem.model_at(z).with_values({key: nominal.value(*key)})
+        rest = tuple(other for other in problem.free if other != key)
+        smaller = replace(problem, model=model, free=rest)
+        point = smaller.point(model, problem.initial_hysteresis(z))
+        point = descend(smaller, point)
+        if _rise(problem, z, smaller, point) > SIGNIFICANT_RISE:
+            needed.add(key)
+            continue
+        reason = f"the recording leaves it open to {100.0 * min(error, 1e4):.0f} %"
+        dropped.append(Undetermined(key, reason))
+        problem, z = smaller, point
+    return z, problem, tuple(dropped)
+
+
+def _rise(problem: Problem, z: Array, smaller: Problem, point: Array) -> float:
+    """How much worse the smaller problem fits: chi-squared with one degree of freedom."""
+    residuals, worse = problem.residuals(z), smaller.residuals(point)
+    squares = float(residuals @ residuals)
+    independent = len(residuals) / autocorrelation_time(residuals)
+    return independent * (float(worse @ worse) - squares) / squares
