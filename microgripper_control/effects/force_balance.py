@@ -150,6 +150,9 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
             v1 = a[6] * x + a[7] * v + a[8] * old + a[9] * new + a[10] * f
             if short:
                 g = _move(c, s, AT_BEGIN, AT_END, x, v, x1 + a[5] * f, v1 + a[11] * f, step, True)
+                slope = a[5] * (g - f) / (x1 + a[5] * f - x)
+                if abs(slope) < 0.5:
+                    g = f + (g - f) / (1.0 - slope)
                 half = r[TO_MIDDLE:BULGE]
                 mean, between = 0.5 * (f + g), w + r[MIDDLE] * rise
                 xm = half[0] * x + half[1] * v + half[2] * old + half[3] * between

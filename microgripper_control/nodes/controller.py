@@ -16,58 +16,42 @@ import time
 from collections.abc import Iterable
 from typing import Any
 
-from rcl_interfaces.msg import SetParametersResult
-from rclpy.parameter import Parameter as RosParameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
 from microgripper_control.control.controller import Controller, Mode
-from microgripper_control.core.errors import MicrogripperError
-from microgripper_control.core.parameters import Parameter
 from microgripper_control.nodes import controller_settings, topics
 from microgripper_control.nodes.controller_health import Statistics
 from microgripper_control.nodes.controller_settings import LIVE, NAMES, ControllerSettings
 from microgripper_control.nodes.health import Health
 from microgripper_control.nodes.managed import ManagedShell
 from microgripper_control.nodes.pairing import Pairing
-from microgripper_control.nodes.parameters import declare_flag, declare_numbers, declare_texts
+from microgripper_control.nodes.parameters import follow_changes
 from microgripper_control.nodes.shell import POLL, run
 
-PARAMETERS = (
-    Parameter("setpoint_wait", "s", 0.0005, 0.0, 1.0, "wall time: longest wait for a setpoint"),
-    Parameter("lockstep_timeout", "s", 5.0, 0.01, 3600.0, "lockstep: longest wait for a setpoint"),
-)
 REPEATED = 3  # times the safe voltage is sent in the end: nobody could send it again later
 
 
 class ControllerNode(ManagedShell):
     """See the module."""
 
+    live = LIVE
+
     def __init__(self) -> None:
         super().__init__("controller")
         controller_settings.declare(self)
-        declare_flag(self, "lockstep", False, "wait for the setpoint of each sample")
-        declare_flag(self, "await_setpoint", True, "lockstep: false to use the newest setpoint")
-        declare_texts(
-            self,
-            "partners",
-            ["plant_simulator"],
-            "lockstep: names of the nodes that must get voltage_command before it begins",
-        )
-        declare_numbers(self, PARAMETERS)
-        self._settings = self._wanted = ControllerSettings.of(self._values(NAMES))
+        self._settings = ControllerSettings.of(self._values(NAMES))
         self._controller: Controller | None = None
         self._samples = topics.Newest(self, topics.JOINT_STATES, self._on_sample)
         self._setpoints = (
             topics.Newest(self, topics.SETPOINT, self._on_setpoint),
             topics.Newest(self, topics.VOLTAGE_SETPOINT, self._on_voltage_setpoint),
         )
-        self.add_on_set_parameters_callback(self._check_parameters)
-        self.add_post_set_parameters_callback(self._apply_parameters)
+        follow_changes(self, NAMES, self._checked, self._apply)
 
     def configure(self) -> None:
         """Compile, then offer the topics."""
-        self._settings = self._wanted = ControllerSettings.of(self._values(NAMES))
+        self._settings = ControllerSettings.of(self._values(NAMES))
         self._settings.compile()
         self._controller = self._settings.controller()
         self._answer = Float64()
@@ -81,7 +65,9 @@ class ControllerNode(ManagedShell):
     def activate(self) -> None:
         """Begin to take samples, in lockstep once the plant takes the answers."""
         self._lockstep = self._value("lockstep")
-        patience = self._value("lockstep_timeout" if self._lockstep else "setpoint_wait")
+        patience = self._value("setpoint_wait") * self._settings.sample_period
+        if self._lockstep:
+            patience = self._value("lockstep_timeout")
         awaits = self._value("await_setpoint")
         self._pairing = Pairing(patience, lockstep=self._lockstep, awaits=awaits)
         self._statistics = Statistics()
@@ -105,7 +91,9 @@ class ControllerNode(ManagedShell):
             self._join()
         if now >= self._pairing.deadline:
             if self._lockstep:
-                self.fail("lockstep: no setpoint came for a sample")
+                open_loop = self._settings.mode is Mode.OPEN_LOOP
+                topic = topics.VOLTAGE_SETPOINT if open_loop else topics.SETPOINT
+                self.fail(f"lockstep: no {topic} came for a sample")
                 return 0.0
             self._statistics.late += 1
             self._answer_sample()
@@ -172,26 +160,14 @@ class ControllerNode(ManagedShell):
             due += period
             time.sleep(max(0.0, due - time.monotonic()))
 
-    def _check_parameters(self, given: list[RosParameter]) -> SetParametersResult:
-        changes = {one.name: one.value for one in given if one.name in NAMES}
-        if not changes:
-            return SetParametersResult(successful=True)
-        fixed = sorted(set(changes) - LIVE) if self._controller is not None else []
-        if fixed:
-            reason = f"{fixed[0]} is read by the transition `configure`; clean up first"
-            return SetParametersResult(successful=False, reason=reason)
+    def _checked(self, changes: dict[str, Any]) -> ControllerSettings:
         known = None if "model_file" in changes else self._settings.identified
-        try:
-            self._wanted = ControllerSettings.of({**self._values(NAMES), **changes}, known)
-        except MicrogripperError as error:
-            return SetParametersResult(successful=False, reason=str(error))
-        return SetParametersResult(successful=True)
+        return ControllerSettings.of({**self._values(NAMES), **changes}, known)
 
-    def _apply_parameters(self, given: list[RosParameter]) -> None:
-        if any(one.name in NAMES for one in given):
-            if self._controller is not None:
-                self._wanted.change(self._controller, self._settings)
-            self._settings = self._wanted
+    def _apply(self, settings: ControllerSettings) -> None:
+        if self._controller is not None:
+            settings.change(self._controller, self._settings)
+        self._settings = settings
 
     def health(self, elapsed: float) -> Health:
         """As `Shell` says."""

@@ -22,11 +22,18 @@ from microgripper_control.nodes.parameters import (
     declare_number,
     declare_numbers,
     declare_text,
+    declare_texts,
     model_path,
 )
 from microgripper_control.plant.model_file import load_model
 
 SAMPLE_RATE = Parameter("sample_rate", "Hz", 1000.0, 0.1, 20000.0, "of the plant")
+WAITS = (
+    Parameter(
+        "setpoint_wait", "1", 0.5, 0.0, 1.0, "wall time: longest wait for a setpoint, in samples"
+    ),
+    Parameter("lockstep_timeout", "s", 5.0, 0.01, 3600.0, "lockstep: longest wait for a setpoint"),
+)
 LIMITS = {  # parameter of the node -> field of VoltageLimits
     "voltage_min": "low",
     "voltage_max": "high",
@@ -105,6 +112,20 @@ def load_identified(model_file: str) -> Identified:
 
 
 def declare(node: Node) -> None:
+    """Declare all parameters of the controller."""
+    _declare_law(node)
+    declare_flag(node, "lockstep", False, "wait for the setpoint of each sample")
+    declare_flag(node, "await_setpoint", True, "lockstep: false to use the newest setpoint")
+    declare_texts(
+        node,
+        "partners",
+        ["plant_simulator"],
+        "lockstep: names of the nodes that must get voltage_command before it begins",
+    )
+    declare_numbers(node, WAITS)
+
+
+def _declare_law(node: Node) -> None:
     """Declare the parameters NAMES; limits and gains not given are those that suit the model."""
     mode, kind = Mode.CASCADE, InverseKind.EXACT
     declare_text(

@@ -96,9 +96,7 @@ class Identifier(Shell):
             self._client = AsyncParameterClient(self, self._controller)
             self._deadline = now + self._timeout
         if self._answer is None and self._client.services_are_ready():
-            file = RosParameter(
-                "model_file", RosParameter.Type.STRING, str(self._out.resolve())
-            )
+            file = RosParameter("model_file", RosParameter.Type.STRING, str(self._out.resolve()))
             self._answer = self._client.set_parameters_atomically([file])
         elif self._answer is not None and self._answer.done():
             self._conclude(self._answer)

@@ -5,10 +5,11 @@ from __future__ import annotations
 import traceback
 from collections.abc import Callable
 
+from rcl_interfaces.srv import ListParameters
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
 from microgripper_control.core.errors import MicrogripperError
-from microgripper_control.nodes.parameters import declare_flag
+from microgripper_control.nodes.parameters import declare_flag, follow_changes
 from microgripper_control.nodes.shell import Shell
 from microgripper_control.nodes.topics import NAMESPACE
 
@@ -18,13 +19,16 @@ SUCCESS = TransitionCallbackReturn.SUCCESS
 class ManagedShell(LifecycleNode, Shell):
     """Says in `configure`, `activate`, `deactivate` and `cleanup` what its transitions do.
 
-    A MicrogripperError in one of them refuses the transition with that reason.
+    A MicrogripperError in one of them refuses the transition with that reason. Parameters that are
+    not `live` are refused while it is configured: they would have no effect.
     """
+
+    live: frozenset[str] = frozenset()
 
     def __init__(self, name: str) -> None:
         LifecycleNode.__init__(self, name, namespace=NAMESPACE)
         self._equip()
-        self.active = False
+        self.configured = self.active = False
         self._fault: Exception | None = None
         self._starting = False
         self._autostart = declare_flag(
@@ -33,6 +37,9 @@ class ManagedShell(LifecycleNode, Shell):
 
     def begin(self) -> None:
         """Configure and activate; raises what stands in the way."""
+        names = set(self.list_parameters([], ListParameters.Request.DEPTH_RECURSIVE).names)
+        fixed = names - self.live - {"use_sim_time"}
+        follow_changes(self, fixed, self._refuse_if_configured, lambda nothing: None)
         if self._autostart:
             self._starting = True  # who started the node is told, not the log
             for trigger in (self.trigger_configure, self.trigger_activate):
@@ -40,6 +47,11 @@ class ManagedShell(LifecycleNode, Shell):
                     assert self._fault is not None
                     raise self._fault
             self._starting = False
+
+    def _refuse_if_configured(self, changes: dict[str, object]) -> None:
+        if self.configured:
+            name = next(iter(changes))
+            raise MicrogripperError(f"{name} is read when the node is configured; clean up first")
 
     def leave(self) -> None:
         """Deactivate, wherever the node stands."""
@@ -60,7 +72,9 @@ class ManagedShell(LifecycleNode, Shell):
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """As rclpy says."""
-        return self._transition(self.configure)
+        result = self._transition(self.configure)
+        self.configured = result == SUCCESS
+        return result
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """As rclpy says."""
@@ -75,6 +89,7 @@ class ManagedShell(LifecycleNode, Shell):
 
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
         """As rclpy says."""
+        self.configured = False
         return self._transition(self.cleanup)
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:

@@ -14,11 +14,11 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Paired:
-    """A sample: displacement, m, voltage, V, and the newest setpoint since the last one, or None."""
+    """A sample and the newest setpoint that came since the last sample was taken, if one did."""
 
-    displacement: float
-    voltage: float
-    setpoint: float | None
+    displacement: float  # m
+    voltage: float  # V
+    setpoint: float | None  # m, or V in open loop
 
 
 class Pairing:

@@ -5,11 +5,11 @@ A whole number is as good as a float: rclpy takes `kp: 5` for an integer and wou
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
-from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
@@ -17,6 +17,8 @@ from rclpy.parameter import Parameter as RosParameter
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.share import share_folder
+
+Checked = TypeVar("Checked")
 
 MODEL_FILE = "apa120s.yaml"
 MODEL_FILE_TEXT = "YAML model: a path, or the name of a file in the package's config folder"
@@ -74,14 +76,6 @@ def declare_flag(
     return bool(_declare(node, name, default, description, read_only=read_only))
 
 
-def declare_whole(
-    node: Node, name: str, default: int, low: int, high: int, description: str
-) -> int:
-    """Declare an integer; rclpy checks the range."""
-    extent = [IntegerRange(from_value=low, to_value=high)]
-    return int(_declare(node, name, default, description, integer_range=extent))
-
-
 def declare_texts(
     node: Node, name: str, default: Sequence[str], description: str, *, read_only: bool = True
 ) -> list[str]:
@@ -117,6 +111,37 @@ def accept_whole_numbers(node: Node) -> None:
         return RosParameter(given.name, kinds.DOUBLE, float(given.value))
 
     node.add_pre_set_parameters_callback(lambda given: [wanted(one) for one in given])
+
+
+def follow_changes(
+    node: Node,
+    names: Collection[str],
+    check: Callable[[dict[str, Any]], Checked],
+    apply: Callable[[Checked], None],
+) -> None:
+    """Have changes of some parameters, made while the node runs, checked and then applied.
+
+    What `check` raises as MicrogripperError is the reason of the refusal, and nothing is changed;
+    what it returns goes to `apply` once the parameters are set.
+    """
+    checked: list[Checked] = []
+
+    def before(given: list[RosParameter]) -> SetParametersResult:
+        checked.clear()
+        changes = {one.name: one.value for one in given if one.name in names}
+        try:
+            if changes:
+                checked.append(check(changes))
+        except MicrogripperError as error:
+            return SetParametersResult(successful=False, reason=str(error))
+        return SetParametersResult(successful=True)
+
+    def after(given: list[RosParameter]) -> None:
+        if checked:
+            apply(checked.pop())
+
+    node.add_on_set_parameters_callback(before)
+    node.add_post_set_parameters_callback(after)
 
 
 def model_path(name: str) -> Path:

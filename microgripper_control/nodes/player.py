@@ -10,8 +10,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from rclpy.duration import Duration
-
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.nodes import topics
@@ -22,7 +20,6 @@ from microgripper_control.nodes.shell import POLL, Shell, run
 
 RECORDED, SAMPLES = "recorded", "samples"
 RATE = Parameter("rate", "1", 1.0, 1e-3, 1e3, "pace recorded: times as fast as it was")
-ALL_RECEIVED = Duration(seconds=4)  # longest wait at the end: a heartbeat of the middleware
 
 
 class Player(Shell):
@@ -65,9 +62,9 @@ class Player(Shell):
         return wait
 
     def leave(self) -> None:
-        """Stay until what was lost on the way has been sent again."""
-        for publisher in self._playing.publishers:
-            publisher.wait_for_all_acked(ALL_RECEIVED)
+        """Stay until everything has arrived."""
+        if self.outcome is not None:
+            topics.await_delivery(self._playing.publishers)
 
     def _missing(self) -> list[str]:
         return [

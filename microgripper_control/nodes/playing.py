@@ -24,9 +24,13 @@ MOST_AT_ONCE = 100  # messages, before a signal is looked for again
 class Playing(Protocol):
     """What the node drives; `played` counts the messages that are out."""
 
-    publishers: Sequence[Publisher]
     played: int
     is_over: bool
+
+    @property
+    def publishers(self) -> Sequence[Publisher]:
+        """All that it publishes with."""
+        ...
 
     def work(self, now: float) -> float:
         """Publish what is due at `now` (s, monotonic clock); time until the next call, s."""

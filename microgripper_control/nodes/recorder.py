@@ -57,6 +57,7 @@ class Recorder(Shell):
         self._wanted = [self.resolve_topic_name(topic) for topic in wanted]
         self._stamped = self.resolve_topic_name(topics.JOINT_STATES)
         self._taken: dict[str, Subscription] = {}
+        self._kinds: dict[str, str] = {}  # of the topics that are taken
         self._sequences: dict[str, Sequence] = {}
         self._samples = StampedSamples()
         self._looked = self._flushed = 0.0
@@ -110,7 +111,7 @@ class Recorder(Shell):
 
     def _note(self, topic: str, message: bytes, number: int) -> None:
         if topic not in self._sequences:  # an empty topic would only be in the way
-            self._bag.add_topic(topic, topics.name_of(self._taken[topic].msg_type))
+            self._bag.add_topic(topic, self._kinds[topic])
             self._sequences[topic] = Sequence()
         self._sequences[topic].note(number)
         if topic == self._stamped:
@@ -123,13 +124,14 @@ class Recorder(Shell):
             reliable = publisher.qos_profile.reliability is ReliabilityPolicy.RELIABLE
             present = self._taken.get(topic)
             if present is None:
-                kind = topics.type_named(publisher.topic_type)
-                self._subscribe(topic, kind, reliable=reliable)
+                self._kinds[topic] = publisher.topic_type
+                self._subscribe(topic, reliable=reliable)
             elif not reliable and present.qos_profile.reliability is ReliabilityPolicy.RELIABLE:
                 self.destroy_subscription(present)
-                self._subscribe(topic, present.msg_type, reliable=False)
+                self._subscribe(topic, reliable=False)
 
-    def _subscribe(self, topic: str, kind: type, *, reliable: bool) -> None:
+    def _subscribe(self, topic: str, *, reliable: bool) -> None:
+        kind = topics.type_named(self._kinds[topic])
         quality = topics.quality(topics.KEPT, reliable=reliable)
         self._taken[topic] = self.create_subscription(kind, topic, _never_called, quality, raw=True)
 

@@ -67,6 +67,11 @@ class Reference(Shell):
             self._samples.open(if_published=True)
         return POLL
 
+    def leave(self) -> None:
+        """Stay until the last setpoint has arrived."""
+        if self.outcome is not None:
+            topics.await_delivery([self._setpoints])
+
     def _missing(self) -> list[str]:
         return topics.missing_partners(self, self._setpoints, self._partners)
 
@@ -97,7 +102,9 @@ class Reference(Shell):
         }
         if self._number.restarts:
             values["times the plant's clock ran backwards"] = self._number.restarts
-        return Health("waiting for joint_states" if self._number.newest < 0 else "ok", values=values)
+        return Health(
+            "waiting for joint_states" if self._number.newest < 0 else "ok", values=values
+        )
 
 
 def main() -> None:

@@ -27,6 +27,7 @@ from rclpy.executors import Executor, ExternalShutdownException
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import try_shutdown
 
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.nodes.health import PERIOD, Health, Reporter
@@ -34,7 +35,7 @@ from microgripper_control.nodes.parameters import accept_whole_numbers
 from microgripper_control.nodes.topics import NAMESPACE
 
 try:
-    from rclpy.experimental import EventsExecutor as NodeExecutor
+    from rclpy.experimental.events_executor import EventsExecutor as NodeExecutor
 except ImportError:  # Jazzy before April 2025
     from rclpy.executors import SingleThreadedExecutor as NodeExecutor
 
@@ -123,7 +124,7 @@ def _run(make: Callable[[], Shell], args: list[str] | None) -> int:
         finally:
             if node is not None:
                 node.destroy_node()
-            rclpy.try_shutdown()
+            try_shutdown()
 
 
 def _spin(node: Shell, asked: list[int]) -> int:

@@ -1,24 +1,21 @@
 """The topics: names, types and quality of service.
 
-All are relative to the node's namespace, except `/clock` and `/diagnostics`. Each publisher and
-subscription can be overridden by the standard `qos_overrides` parameters.
-
-| topic | type | publishers keep | control loop reads | recorder reads |
-|---|---|---|---|---|
-| joint_states, setpoint, voltage_command, ... | see below | the last 5000 | the newest | the last 5000 |
-
-All of it is reliable: in lockstep a lost message would end the run. A publisher keeps that much so
-that a recorder which the scheduler held up for seconds still gets all of it; the control loop
-itself never sees anything but the newest message.
+All are relative to the node's namespace. Publishers and subscriptions are reliable and keep the
+last messages, the publishers and the recorder 5000 of them, the control loop one: the newest
+sample is what counts there, while a recorder that the scheduler held up for seconds still gets
+everything. In lockstep a message that is lost ends the run, so there best effort will not do.
+History, depth and reliability can be overridden by the standard `qos_overrides` parameters.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+import time
+from collections.abc import Callable, Iterable, Sequence
 from importlib import import_module
 from typing import Any, cast
 
+from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
@@ -32,7 +29,9 @@ from microgripper_control.core.errors import MicrogripperError
 NAMESPACE = "microgripper"
 JOINT = "finger"
 
-JOINT_STATES = "joint_states"  # one sample: stamp t[k], position x[k] m, velocity m/s, effort u[k] V
+JOINT_STATES = (
+    "joint_states"  # one sample: stamp t[k], position x[k] m, velocity m/s, effort u[k] V
+)
 DISPLACEMENT = "displacement"  # x[k], m
 VOLTAGE_COMMAND = "voltage_command"  # V
 SETPOINT = "setpoint"  # wanted displacement, m
@@ -46,6 +45,7 @@ TYPES: dict[str, type] = {
     VOLTAGE_SETPOINT: Float64,
 }
 KEPT = 5000  # messages
+DELIVERY_TIMEOUT = 4.0  # s
 
 
 def quality(depth: int, *, reliable: bool = True) -> QoSProfile:
@@ -62,6 +62,17 @@ def publish_on(node: Node, topic: str) -> Publisher:
         quality(KEPT),
         qos_overriding_options=QoSOverridingOptions.with_default_policies(),
     )
+
+
+def await_delivery(publishers: Iterable[Publisher]) -> None:
+    """Wait until everybody has what was published: with its publisher a message may be lost.
+
+    That takes up to a heartbeat of the middleware, 3 s; a reader that has died is given up then.
+    """
+    end = time.monotonic() + DELIVERY_TIMEOUT
+    for publisher in publishers:
+        left = max(0.0, end - time.monotonic())
+        publisher.wait_for_all_acked(Duration(seconds=left))
 
 
 class Newest:
@@ -108,11 +119,6 @@ def type_named(name: str) -> type:
         return cast(type, getattr(import_module(f"{package}.msg"), kind))
     except (ImportError, AttributeError):
         raise MicrogripperError(f"message type {name} is not installed here") from None
-
-
-def name_of(kind: type) -> str:
-    """The name of a message type, as `type_named` takes it."""
-    return f"{kind.__module__.partition('.')[0]}/msg/{kind.__name__}"
 
 
 def finger(message: JointState) -> tuple[float, float]:

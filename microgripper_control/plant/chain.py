@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from microgripper_control.core.signals import POSITION, ROWS, Array, Timing
-from microgripper_control.effects.base import Kernel, Link, Load, Prepared, Values
+from microgripper_control.core.signals import POSITION, ROWS, VOLTAGE, Array, Timing
+from microgripper_control.effects.base import Kernel, Link, Load, Prepared, Stage, Values
 from microgripper_control.plant.model import Model
+
+CLOSED = 1e-10  # of the stroke: what a period may differ from the one before
+MOST_PERIODS = 60
 
 
 class Chain:
@@ -33,6 +36,7 @@ class Chain:
         levels = levels.copy()
         self._continuous: list[tuple[Kernel, Array, Array]] = []
         self._sampled: list[tuple[Kernel, Array, Array]] = []
+        self._lasting: list[Array] = []
         loads: list[Load] = [(link.force, model.values(link.name)) for link in links if link.force]
         for link in (link for link in links if not link.force):
             if not link.sampled:
@@ -41,6 +45,8 @@ class Chain:
             timing = timing.with_course(prepared.ramped)
             group = self._sampled if link.sampled else self._continuous
             group.append((kernel, prepared.coefficients, prepared.state))
+            if link.stage in (Stage.MATERIAL, Stage.MECHANICS):
+                self._lasting.append(prepared.state)
             if not link.sampled:
                 self.rest_position = float(levels[POSITION])
 
@@ -53,6 +59,27 @@ class Chain:
         """Run the links that act between samples; `bus` holds whole sample periods."""
         for kernel, coefficients, state in self._continuous:
             kernel(coefficients, state, bus)
+
+    def settle(self, bus: Array) -> None:
+        """Run the period on the bus over and over until it repeats itself.
+
+        A small loop of hysteresis takes many periods to do so, slow creep thousands, but each
+        approaches its cycle geometrically. So every third time the states of material and
+        mechanics are taken to where the last three point.
+        """
+        voltage, passed = bus[VOLTAGE].copy(), []
+        for _ in range(MOST_PERIODS):
+            before = bus[POSITION].copy()
+            bus[VOLTAGE] = voltage
+            self.advance(bus)
+            change = np.max(np.abs(bus[POSITION] - before))
+            if not change > CLOSED * np.ptp(bus[POSITION]):
+                return
+            passed.append([state.copy() for state in self._lasting])
+            if len(passed) == 3:
+                for state, *three in zip(self._lasting, *passed, strict=True):
+                    state[:] = _limit(*three)
+                passed.clear()
 
     def sense(self, positions: Array) -> Array:
         """What the sensor reports for true positions at the sampling instants, shape (n,)."""
@@ -69,6 +96,15 @@ class Chain:
         """As `sense`, on the position row of a bus of samples."""
         for kernel, coefficients, state in self._sampled:
             kernel(coefficients, state, bus)
+
+
+def _limit(first: Array, second: Array, third: Array) -> Array:
+    """Where sequences that approach geometrically end (Aitken 1926); the others' last values."""
+    step = third - second
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = step / (second - first)
+        limit = third + step * ratio / (1.0 - ratio)
+    return np.where((ratio > 0.0) & (ratio < 1.0), limit, third)
 
 
 def _ready(

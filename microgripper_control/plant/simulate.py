@@ -61,15 +61,13 @@ def simulate(
     periodic = initial is Initial.PERIODIC
     driven = np.append(voltage, voltage[0]) if periodic else voltage
     bus = _bus(driven, chain.timing, hold, periodic)
-    first = chain.rest_position
     if periodic:
-        before = bus.copy()
-        chain.advance(before)  # one period to forget how it began
-        first = before[POSITION, -1]
-    chain.advance(bus)
+        chain.settle(bus)
+    else:
+        chain.advance(bus)
     ends = bus[POSITION, chain.steps - 1 :: chain.steps]
     positions = np.empty(len(voltage))
-    positions[0] = first
+    positions[0] = ends[-1] if periodic else chain.rest_position
     positions[1:] = ends[: len(voltage) - 1]
     return chain.sense(positions)
 

@@ -9,6 +9,8 @@ from typing import Any
 
 import pytest
 import yaml
+from rcl_interfaces.srv import ListParameters
+from rclpy.qos import ReliabilityPolicy
 
 from microgripper_control.core.share import share_folder
 from microgripper_control.nodes.controller import ControllerNode
@@ -31,7 +33,10 @@ NODES: dict[str, type[Shell]] = {
     "player": Player,
     "identifier": Identifier,
 }
-NEEDED = {"player": ["-p", "recording:=wave.csv"], "identifier": ["-p", "recordings:=[wave.csv]"]}
+NEEDED = {
+    "player": ["-p", "recording:=wave.csv", "-p", "pace:=samples"],
+    "identifier": ["-p", "recordings:=[wave.csv]"],
+}
 
 
 def flat(values: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
@@ -88,8 +93,10 @@ def test_the_usual_file_says_what_the_nodes_do_without_it(make: Callable[..., Sh
 @pytest.mark.parametrize("name", NODES)
 def test_every_parameter_says_what_it_is(make: Callable[..., Shell], name: str) -> None:
     node = make(name)
-    for parameter in node.list_parameters([], 0).result.names if False else node._parameters:
-        assert node.describe_parameter(parameter).description or parameter == "use_sim_time"
+    names = node.list_parameters([], ListParameters.Request.DEPTH_RECURSIVE).names
+    assert len(names) > 3
+    for parameter in set(names) - {"use_sim_time", "start_type_description_service"}:
+        assert node.describe_parameter(parameter).description, parameter
 
 
 def test_the_models_can_be_read() -> None:
@@ -147,3 +154,17 @@ def test_launch_files_refer_to_files_and_arguments_that_there_are(file: Path) ->
     texts = {n.value for n in ast.walk(tree) if isinstance(n, ast.Constant)}
     for name in (text for text in texts if isinstance(text, str) and text.endswith(".yaml")):
         assert (ROOT / "config" / name).is_file(), name
+
+
+def test_topics_can_be_remapped_and_their_quality_overridden(make: Callable[..., Shell]) -> None:
+    quality = "qos_overrides./rig/samples.publisher"
+    node = make(
+        "plant_simulator",
+        *("-r", "__ns:=/rig", "-r", "joint_states:=samples"),
+        *("-p", f"{quality}.depth:=7", "-p", f"{quality}.reliability:=best_effort"),
+    )
+    assert isinstance(node, PlantSimulator)
+    node.trigger_configure()
+    (samples,) = (one for one in node.publishers if one.topic_name == "/rig/samples")
+    assert samples.qos_profile.depth == 7
+    assert samples.qos_profile.reliability is ReliabilityPolicy.BEST_EFFORT

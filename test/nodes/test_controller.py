@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 import signal
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from lifecycle_msgs.srv import ChangeState
 from rcl_interfaces.msg import Parameter, ParameterValue
 from rcl_interfaces.srv import GetParameters, SetParameters, SetParametersAtomically
 from rclpy.parameter import Parameter as RosParameter
+from running_nodes import Start, Watcher
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
@@ -27,7 +29,7 @@ GAIN = 1.42e-7  # m/V, about
 class Loop:
     """The test in the plant's place: sends samples and gets the answers, one by one."""
 
-    def __init__(self, start: Any, watcher: Any, **settings: Any) -> None:
+    def __init__(self, start: Start, watcher: Watcher, **settings: object) -> None:
         self.watcher = watcher
         self.answers = watcher.messages(Float64, "voltage_command")
         self.node = start("controller", setpoint_wait=0, **settings)
@@ -50,7 +52,7 @@ class Loop:
         """Set a setpoint; the samples that follow prove that it came."""
         self.setpoints.publish(Float64(data=setpoint))
 
-    def set(self, name: str, value: Any) -> str:
+    def set(self, name: str, value: object) -> str:
         """Set a parameter; the reason why not."""
         kind = RosParameter.Type.from_parameter_value(value)
         request = SetParameters.Request(
@@ -60,7 +62,7 @@ class Loop:
         assert result.successful == (not result.reason)
         return str(result.reason)
 
-    def get(self, name: str) -> Any:
+    def get(self, name: str) -> Any:  # noqa: ANN401
         request = GetParameters.Request(names=[name])
         (value,) = self.watcher.call(GetParameters, "controller/get_parameters", request).values
         return RosParameter.from_parameter_msg(Parameter(name=name, value=value)).value
@@ -73,7 +75,9 @@ class Loop:
         return rig.position
 
 
-def test_one_answer_for_each_sample_from_a_bumpless_start_on(start: Any, watcher: Any) -> None:
+def test_one_answer_for_each_sample_from_a_bumpless_start_on(
+    start: Start, watcher: Watcher
+) -> None:
     loop = Loop(start, watcher)
     # Nothing is known of a plant that reports no voltage: nothing is said.
     loop.states.publish(JointState(name=["finger"], position=[0.0]))
@@ -88,7 +92,7 @@ def test_one_answer_for_each_sample_from_a_bumpless_start_on(start: Any, watcher
     assert loop.node.stop() == 0
 
 
-def test_it_brings_the_plant_to_the_setpoint_in_every_mode(start: Any, watcher: Any) -> None:
+def test_it_brings_the_plant_to_the_setpoint_in_every_mode(start: Start, watcher: Watcher) -> None:
     loop = Loop(start, watcher, mode="pid")
     rig = Rig(nominal_model(), 1e-3)
     loop.run(rig, 2)
@@ -112,7 +116,9 @@ def test_it_brings_the_plant_to_the_setpoint_in_every_mode(start: Any, watcher: 
     watcher.until(lambda: loop.run(rig, 20) is not None and rig.voltage == 160.0, "160 V")
 
 
-def test_the_parameters_of_a_running_controller(start: Any, watcher: Any, tmp_path: Any) -> None:
+def test_the_parameters_of_a_running_controller(
+    start: Start, watcher: Watcher, tmp_path: Path
+) -> None:
     loop = Loop(start, watcher, kp=5, voltage_max=150)
     assert (loop.get("kp"), type(loop.get("kp"))) == (5.0, float)
     assert loop.set("kp", 7) == ""
@@ -132,9 +138,7 @@ def test_the_parameters_of_a_running_controller(start: Any, watcher: Any, tmp_pa
             for name, value in values.items()
         ]
     )
-    answer = watcher.call(
-        SetParametersAtomically, "controller/set_parameters_atomically", request
-    )
+    answer = watcher.call(SetParametersAtomically, "controller/set_parameters_atomically", request)
     assert not answer.result.successful
     assert loop.get("kp") == 7.0
     # Identified values come as a file; those that do not allow the limits are refused.
@@ -156,7 +160,9 @@ def test_the_parameters_of_a_running_controller(start: Any, watcher: Any, tmp_pa
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-def test_in_the_end_the_voltage_is_brought_down(start: Any, watcher: Any, number: int) -> None:
+def test_in_the_end_the_voltage_is_brought_down(
+    start: Start, watcher: Watcher, number: int
+) -> None:
     loop = Loop(start, watcher, mode="open_loop", ramp_rate=1000, safe_voltage=10)
     loop.answer(0.0, 0.0)
     watcher.publisher(Float64, "voltage_setpoint").publish(Float64(data=100.0))
@@ -170,7 +176,9 @@ def test_in_the_end_the_voltage_is_brought_down(start: Any, watcher: Any, number
     assert set(ramp[90:]) == {10.0}
 
 
-def test_deactivated_by_a_supervisor_it_brings_the_voltage_down(start: Any, watcher: Any) -> None:
+def test_deactivated_by_a_supervisor_it_brings_the_voltage_down(
+    start: Start, watcher: Watcher
+) -> None:
     loop = Loop(start, watcher, mode="pid")
     rig = Rig(nominal_model(), 1e-3)
     loop.run(rig, 1)
@@ -187,7 +195,7 @@ def test_deactivated_by_a_supervisor_it_brings_the_voltage_down(start: Any, watc
     assert loop.answer(rig.position, 0.0) == 0.0
 
 
-def test_its_health_tells_of_what_is_wrong(start: Any, watcher: Any) -> None:
+def test_its_health_tells_of_what_is_wrong(start: Start, watcher: Watcher) -> None:
     reports = watcher.messages(DiagnosticArray, "/diagnostics")
     loop = Loop(start, watcher)
 

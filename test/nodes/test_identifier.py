@@ -1,11 +1,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from rcl_interfaces.srv import GetParameters
+from running_nodes import Start, Watcher
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.plant.model import nominal_model
@@ -19,7 +19,7 @@ TRUTH = {("bouc_wen", "d"): 1.52e-7, ("bouc_wen", "alpha"): 0.09}
 
 
 def test_it_finds_the_model_and_hands_it_to_the_controller(
-    start: Any, watcher: Any, tmp_path: Path
+    start: Start, watcher: Watcher, tmp_path: Path
 ) -> None:
     rig = nominal_model().with_values(TRUTH)
     time = np.arange(6000) * 1e-3
@@ -42,7 +42,7 @@ def test_it_finds_the_model_and_hands_it_to_the_controller(
     assert controller.stop() == 0
 
 
-def test_a_controller_that_is_not_there_is_an_error(start: Any, tmp_path: Path) -> None:
+def test_a_controller_that_is_not_there_is_an_error(start: Start, tmp_path: Path) -> None:
     voltage = 50.0 - 50.0 * np.cos(2.0 * np.pi * np.arange(2000) * 1e-3)
     write_bag(
         tmp_path / "bag",

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
+from running_nodes import Start
 
 from microgripper_control.control.setpoints import Sine
 from microgripper_control.core.recording import Recording
@@ -19,7 +19,7 @@ pytestmark = pytest.mark.ros
 WAVE = {"shape": "sine", "low": 4e-6, "high": 14e-6, "frequency": 2.0}
 
 
-def experiment(start: Any, out: Path, length: float, **plant: Any) -> Recording:
+def experiment(start: Start, out: Path, length: float, **plant: object) -> Recording:
     """Record a run from its first sample to its last."""
     recorder = start("recorder", out=str(out))
     controller = start("controller", lockstep=True, partners=["plant_simulator", "recorder"])
@@ -40,7 +40,7 @@ def experiment(start: Any, out: Path, length: float, **plant: Any) -> Recording:
     return read_recording(out)
 
 
-def test_two_runs_with_one_seed_are_the_same_to_the_bit(start: Any, tmp_path: Path) -> None:
+def test_two_runs_with_one_seed_are_the_same_to_the_bit(start: Start, tmp_path: Path) -> None:
     first = experiment(start, tmp_path / "first", 1.5, seed=5)
     again = experiment(start, tmp_path / "again", 1.5, seed=5)
     assert first.warnings == ()
@@ -53,10 +53,19 @@ def test_two_runs_with_one_seed_are_the_same_to_the_bit(start: Any, tmp_path: Pa
     np.testing.assert_array_equal(first.setpoint, wanted)
 
 
-def test_the_cascade_tracks_a_plant_that_is_not_quite_its_model(start: Any, tmp_path: Path) -> None:
+def test_the_cascade_tracks_a_plant_that_is_not_quite_its_model(
+    start: Start, tmp_path: Path
+) -> None:
     nominal = nominal_model()
-    off = {(link, name): 1.1 * nominal.value(link, name) for link, name in (
-        ("bouc_wen", "d"), ("bouc_wen", "alpha"), ("bouc_wen", "beta"), ("bouc_wen", "gamma"))}
+    off = {
+        (link, name): 1.1 * nominal.value(link, name)
+        for link, name in (
+            ("bouc_wen", "d"),
+            ("bouc_wen", "alpha"),
+            ("bouc_wen", "beta"),
+            ("bouc_wen", "gamma"),
+        )
+    }
     save_model(nominal.with_values(off), tmp_path / "off.yaml")
     run = experiment(
         start, tmp_path / "bag", 2.5, model_file=str(tmp_path / "off.yaml"), noise_std=0

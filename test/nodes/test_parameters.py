@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from typing import Any
+from pathlib import Path
 
 import pytest
 import rclpy
@@ -43,7 +43,7 @@ def node(ros: Callable[..., None]) -> Iterator[MakeNode]:
         one.destroy_node()
 
 
-def refusal(node: Node, name: str, kind: RosParameter.Type, value: Any) -> str:
+def refusal(node: Node, name: str, kind: RosParameter.Type, value: object) -> str:
     """Why a parameter may not be set; empty if it may."""
     (result,) = node.set_parameters([RosParameter(name, kind, value)])
     return str(result.reason)
@@ -106,7 +106,7 @@ def test_a_list_may_be_empty(node: MakeNode) -> None:
 
 
 def test_a_model_file_may_be_one_of_the_package(
-    tmp_path: Any, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert model_path("apa120s.yaml") == share_folder() / "config" / "apa120s.yaml"

@@ -9,7 +9,10 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticArray
 from lifecycle_msgs.msg import State, Transition
 from lifecycle_msgs.srv import ChangeState, GetState
+from rcl_interfaces.srv import SetParameters
+from rclpy.parameter import Parameter as RosParameter
 from rosgraph_msgs.msg import Clock
+from running_nodes import Start, Watcher
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
@@ -25,7 +28,7 @@ def stamps(samples: list[Any]) -> np.ndarray:
     return np.array([s.header.stamp.sec * 10**9 + s.header.stamp.nanosec for s in samples])
 
 
-def test_wall_time(start: Any, watcher: Any) -> None:
+def test_wall_time(start: Start, watcher: Watcher) -> None:
     samples = watcher.messages(JointState, "joint_states")
     displacements = watcher.messages(Float64, "displacement")
     plant = start("plant_simulator", noise_std=0)
@@ -60,12 +63,14 @@ def test_wall_time(start: Any, watcher: Any) -> None:
     velocity = np.array([s.velocity[0] for s in samples])
     neighbours = np.flatnonzero(np.diff(ticks) == 1)
     np.testing.assert_allclose(
-        velocity[neighbours + 1], (position[neighbours + 1] - position[neighbours]) * 1e3, atol=1e-12
+        velocity[neighbours + 1],
+        (position[neighbours + 1] - position[neighbours]) * 1e3,
+        atol=1e-12,
     )
     assert {d.data for d in displacements} <= set(position) | {d.data for d in displacements[:1]}
 
 
-def test_lifecycle(start: Any, watcher: Any) -> None:
+def test_lifecycle(start: Start, watcher: Watcher) -> None:
     samples = watcher.messages(JointState, "joint_states")
     reports = watcher.messages(DiagnosticArray, "/diagnostics")
     plant = start("plant_simulator", autostart=False)
@@ -82,6 +87,10 @@ def test_lifecycle(start: Any, watcher: Any) -> None:
     assert change(Transition.TRANSITION_CONFIGURE)
     assert state() == State.PRIMARY_STATE_INACTIVE
     assert not samples
+    rate = RosParameter("sample_rate", value=500)
+    request = SetParameters.Request(parameters=[rate.to_parameter_msg()])
+    (result,) = watcher.call(SetParameters, "plant_simulator/set_parameters", request).results
+    assert result.reason == "sample_rate is read when the node is configured; clean up first"
     assert change(Transition.TRANSITION_ACTIVATE)
     watcher.until(lambda: len(samples) > 10, "samples")
     assert change(Transition.TRANSITION_DEACTIVATE)
@@ -100,7 +109,7 @@ def test_lifecycle(start: Any, watcher: Any) -> None:
     assert plant.stop() == 0
 
 
-def test_health_is_reported(start: Any, watcher: Any) -> None:
+def test_health_is_reported(start: Start, watcher: Watcher) -> None:
     reports = watcher.messages(DiagnosticArray, "/diagnostics")
     start("plant_simulator", sample_rate=200)
     commands = watcher.publisher(Float64, "voltage_command")
@@ -119,7 +128,7 @@ def test_health_is_reported(start: Any, watcher: Any) -> None:
     assert reports[-1].status[0].level == b"\1"
 
 
-def test_lockstep_tells_the_time_and_waits_for_each_answer(start: Any, watcher: Any) -> None:
+def test_lockstep_tells_the_time_and_waits_for_each_answer(start: Start, watcher: Watcher) -> None:
     times = watcher.messages(Clock, "/clock")
     samples = watcher.messages(JointState, "joint_states")
     commands = watcher.node.create_publisher(Float64, "voltage_command", 10)
@@ -137,7 +146,7 @@ def test_lockstep_tells_the_time_and_waits_for_each_answer(start: Any, watcher: 
     assert "20 samples" in plant.log
 
 
-def test_a_missing_answer_ends_the_run_with_an_error(start: Any, watcher: Any) -> None:
+def test_a_missing_answer_ends_the_run_with_an_error(start: Start, watcher: Watcher) -> None:
     samples = watcher.messages(JointState, "joint_states")
     commands = watcher.node.create_publisher(Float64, "voltage_command", 10)
     plant = start("plant_simulator", lockstep=True, partners=["watcher"], lockstep_timeout=0.5)
@@ -148,7 +157,7 @@ def test_a_missing_answer_ends_the_run_with_an_error(start: Any, watcher: Any) -
     assert "no voltage_command for sample 1" in plant.log
 
 
-def test_a_missing_partner_ends_the_run_with_an_error(start: Any) -> None:
+def test_a_missing_partner_ends_the_run_with_an_error(start: Start) -> None:
     plant = start("plant_simulator", lockstep=True, startup_timeout=0.3)
     assert plant.ended() == 1
     assert "controller, reference" in plant.log

@@ -1,10 +1,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
+from running_nodes import Start, Watcher
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
@@ -26,7 +26,7 @@ def recording() -> Recording:
 
 
 def test_what_is_played_can_be_recorded_again(
-    start: Any, watcher: Any, tmp_path: Path, recording: Recording
+    start: Start, watcher: Watcher, tmp_path: Path, recording: Recording
 ) -> None:
     write_bag(tmp_path / "bag", recording)
     recorder = start("recorder", out="again")
@@ -40,7 +40,7 @@ def test_what_is_played_can_be_recorded_again(
 
 
 def test_chosen_topics_in_their_own_time(
-    start: Any, watcher: Any, tmp_path: Path, recording: Recording
+    start: Start, watcher: Watcher, tmp_path: Path, recording: Recording
 ) -> None:
     write_bag(tmp_path / "bag", recording)
     states = watcher.messages(JointState, "joint_states")
@@ -55,7 +55,7 @@ def test_chosen_topics_in_their_own_time(
 
 @pytest.mark.parametrize("kind", ["bag", "csv"])
 def test_a_plant_gets_the_recorded_voltages_sample_by_sample(
-    start: Any, tmp_path: Path, recording: Recording, kind: str
+    start: Start, tmp_path: Path, recording: Recording, kind: str
 ) -> None:
     file = tmp_path / f"recorded.{kind}"
     (write_bag if kind == "bag" else write_csv)(file, recording)

@@ -3,12 +3,12 @@ from __future__ import annotations
 import signal
 import time
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
+from running_nodes import Start, Watcher
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, String
 
@@ -21,7 +21,7 @@ COUNT = 2000
 NUMBERS = np.arange(float(COUNT))
 
 
-def publish_at_1_khz(watcher: Any) -> None:
+def publish_at_1_khz(watcher: Watcher) -> None:
     """Sample, setpoint and command, numbered, once a millisecond."""
     states = watcher.publisher(JointState, "joint_states")
     setpoints = watcher.publisher(Float64, "setpoint")
@@ -42,7 +42,7 @@ def publish_at_1_khz(watcher: Any) -> None:
     ("storage", "number"), [("mcap", signal.SIGINT), ("sqlite3", signal.SIGTERM)]
 )
 def test_nothing_is_lost_at_1_khz(
-    start: Any, watcher: Any, tmp_path: Path, storage: str, number: int
+    start: Start, watcher: Watcher, tmp_path: Path, storage: str, number: int
 ) -> None:
     recorder = start("recorder", out="bag", storage=storage)
     publish_at_1_khz(watcher)
@@ -62,7 +62,7 @@ def test_nothing_is_lost_at_1_khz(
 
 
 def test_what_was_flushed_survives_the_death_of_the_recorder(
-    start: Any, watcher: Any, tmp_path: Path
+    start: Start, watcher: Watcher, tmp_path: Path
 ) -> None:
     recorder = start("recorder", out="bag")
     publish_at_1_khz(watcher)
@@ -76,7 +76,7 @@ def test_what_was_flushed_survives_the_death_of_the_recorder(
     assert run.warnings
 
 
-def test_other_topics_and_other_qualities(start: Any, watcher: Any, tmp_path: Path) -> None:
+def test_other_topics_and_other_qualities(start: Start, watcher: Watcher, tmp_path: Path) -> None:
     best_effort = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
     states = watcher.node.create_publisher(JointState, "joint_states", best_effort)
     texts = watcher.node.create_publisher(String, "/elsewhere/notes", QoSProfile(depth=100))

@@ -1,9 +1,10 @@
 from __future__ import annotations
 
-from typing import Any
+from pathlib import Path
 
 import numpy as np
 import pytest
+from running_nodes import Start, Watcher
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
@@ -17,7 +18,7 @@ T = 0.001
 class Samples:
     """The test in the place of plant and controller."""
 
-    def __init__(self, watcher: Any, topic: str) -> None:
+    def __init__(self, watcher: Watcher, topic: str) -> None:
         self.watcher = watcher
         self.setpoints = watcher.messages(Float64, topic)
         self.states = watcher.publisher(JointState, "joint_states")
@@ -33,7 +34,7 @@ class Samples:
         return float(self.setpoints[-1].data)
 
 
-def test_a_setpoint_for_each_sample_by_its_stamp(start: Any, watcher: Any) -> None:
+def test_a_setpoint_for_each_sample_by_its_stamp(start: Start, watcher: Watcher) -> None:
     wave = {"low": 2e-6, "high": 12e-6, "frequency": 50.0}
     node = start("reference", partners=["watcher"], shape="sine", **wave)
     samples = Samples(watcher, "setpoint")
@@ -45,7 +46,7 @@ def test_a_setpoint_for_each_sample_by_its_stamp(start: Any, watcher: Any) -> No
     assert node.stop() == 0
 
 
-def test_segments_one_after_the_other_and_the_end(start: Any, watcher: Any) -> None:
+def test_segments_one_after_the_other_and_the_end(start: Start, watcher: Watcher) -> None:
     settings = {
         "segments": ["up", "wave"],
         "up.shape": "triangle",
@@ -57,9 +58,7 @@ def test_segments_one_after_the_other_and_the_end(start: Any, watcher: Any) -> N
         "wave.high": 80,
         "wave.frequency": 100,
     }
-    node = start(
-        "reference", partners=["watcher"], quantity="voltage", at_end="stop", **settings
-    )
+    node = start("reference", partners=["watcher"], quantity="voltage", at_end="stop", **settings)
     samples = Samples(watcher, "voltage_setpoint")
     wanted = [
         *Triangle(high=5, frequency=50).samples(10, T),
@@ -70,7 +69,7 @@ def test_segments_one_after_the_other_and_the_end(start: Any, watcher: Any) -> N
     assert "30 setpoints" in node.log
 
 
-def test_a_csv_is_followed_and_then_held(start: Any, watcher: Any, tmp_path: Any) -> None:
+def test_a_csv_is_followed_and_then_held(start: Start, watcher: Watcher, tmp_path: Path) -> None:
     file = tmp_path / "wanted.csv"
     file.write_text("time_s,setpoint_m\n0.0,1e-6\n0.002,3e-6\n0.003,2e-6\n")
     node = start("reference", partners=["watcher"], shape="csv", file=str(file))

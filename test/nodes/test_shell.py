@@ -1,9 +1,10 @@
 from __future__ import annotations
 
 import signal
-from typing import Any
+from pathlib import Path
 
 import pytest
+from running_nodes import Start
 
 from microgripper_control.nodes.controller import ControllerNode
 from microgripper_control.nodes.identifier import Identifier
@@ -42,7 +43,7 @@ BAD = [
 @pytest.mark.parametrize(("make", "given", "message"), BAD, ids=lambda value: str(value)[:40])
 def test_bad_input_gets_one_line_and_exit_status_2(
     ros_domain: dict[str, str],
-    tmp_path: Any,
+    tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capfd: pytest.CaptureFixture[str],
     make: type[Shell],
@@ -61,7 +62,7 @@ def test_bad_input_gets_one_line_and_exit_status_2(
     assert signal.getsignal(signal.SIGTERM) == before
 
 
-def test_every_node_ends_by_signal_with_exit_status_0(start: Any, tmp_path: Any) -> None:
+def test_every_node_ends_by_signal_with_exit_status_0(start: Start, tmp_path: Path) -> None:
     save = tmp_path / "wave.csv"
     save.write_text("time_s,voltage_V\n" + "".join(f"{k / 1000},{k % 50}\n" for k in range(100)))
     nodes = [

@@ -62,11 +62,12 @@ def _step_power(size: float, s1: float, a: float, c: float, n: float, most: floa
     step, speed = most, abs(s1)
     if n * speed * step > SMALLEST_GROWTH * size:
         bend = abs(a - s1)
-        growth = min(0.5, SMALLEST_GROWTH / n * ((bend + a) / bend) ** 0.25)
+        growth = SMALLEST_GROWTH / n * ((bend + a) / bend) ** 0.25
         straight = (STRAIGHT * a / c) ** (1.0 / n)
         if size + speed * step > straight:
-            step = min(step, max(growth * size, straight) / speed)
-    return min(step, LARGEST_CURVATURE / (c * n * (size + speed * step) ** (n - 1.0)))
+            step = min(step, max(min(0.5, growth) * size, straight) / speed)
+    reach: float = (size + speed * step) ** (n - 1.0)
+    return min(step, LARGEST_CURVATURE / (c * n * reach))
 
 
 @compiled

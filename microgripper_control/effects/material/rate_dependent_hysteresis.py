@@ -47,7 +47,7 @@ LINK = Link(
     stage=Stage.MATERIAL,
     order=20,
     title="hysteresis that widens with the rate",
-    source="Ang, Khosla, Riviere 2007; Al Janaideh, Rakheja, Su 2011 (weights that follow the rate)",
+    source="Ang, Khosla, Riviere 2007; Al Janaideh, Rakheja, Su 2011 (weights that follow rate)",
     parameters=(
         Parameter("strength", "1", 0.1, -1.0, 5.0, "share of h added in a decade of rate", 0.0),
         Parameter("memory", "s", 0.02, 1e-4, 100.0, "over which the rate is averaged"),

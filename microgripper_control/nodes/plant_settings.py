@@ -1,0 +1,59 @@
+"""The simulated rig's parameters, and the rig that they ask for."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from rclpy.node import Node
+
+from microgripper_control.core.parameters import Parameter
+from microgripper_control.effects.registry import link_named
+from microgripper_control.nodes.parameters import (
+    MODEL_FILE,
+    MODEL_FILE_TEXT,
+    declare_flag,
+    declare_number,
+    declare_numbers,
+    declare_text,
+    declare_texts,
+    model_path,
+)
+from microgripper_control.plant.model_file import load_model
+from microgripper_control.plant.rig import Rig
+
+NOISE = link_named("sensor_noise")
+NOISE_PARAMETERS = {"noise_std": "std", "seed": "seed"}  # of the node -> of the link
+NUMBERS = (
+    Parameter("sample_rate", "Hz", 1000.0, 0.1, 20000.0, "samples a second"),
+    Parameter("duration", "s", 0.0, 0.0, 1e7, "end after so much of its own time; 0: never"),
+    Parameter("startup_timeout", "s", 60.0, 0.1, 3600.0, "lockstep: longest wait for partners"),
+    Parameter("lockstep_timeout", "s", 5.0, 0.01, 3600.0, "lockstep: longest wait for a command"),
+)
+
+
+def declare(node: Node) -> None:
+    """Declare the parameters; the noise not given is the model's, else the link's nominal one."""
+    model_file = declare_text(node, "model_file", MODEL_FILE, MODEL_FILE_TEXT)
+    declare_flag(node, "lockstep", False, "wait for the command that answers each sample")
+    declare_texts(
+        node,
+        "partners",
+        ["controller", "reference"],
+        "lockstep: names of the nodes that must get joint_states before it begins",
+    )
+    declare_numbers(node, NUMBERS)
+    settings = load_model(model_path(model_file)).settings.get(NOISE.name, {})
+    for name, key in NOISE_PARAMETERS.items():
+        declared = NOISE.parameter(key)
+        nominal = settings[key].value if key in settings else declared.nominal
+        declare_number(node, replace(declared, name=name, nominal=nominal))
+
+
+def make_rig(node: Node) -> Rig:
+    """The rig that the parameters ask for, compiled; MicrogripperError where there is none."""
+    model = load_model(model_path(node.get_parameter("model_file").value))
+    noise = {key: node.get_parameter(name).value for name, key in NOISE_PARAMETERS.items()}
+    model = model.with_link(NOISE.name, **noise)
+    period = 1.0 / node.get_parameter("sample_rate").value
+    Rig(model, period).tick()  # compiles; the one that runs draws its noise afresh
+    return Rig(model, period)

@@ -1,0 +1,123 @@
+"""Asymmetric hysteresis: its own formula, its independence of rate, and other people's formulas."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+
+from microgripper_control.core.signals import Array
+from microgripper_control.effects.material.bouc_wen import advance
+from microgripper_control.effects.registry import link_named
+from microgripper_control.plant.model import Model
+from microgripper_control.plant.simulate import Hold, Initial, simulate
+
+LINK = "asymmetric_hysteresis"
+VALUES = {"tilt": 2e-3, "bulge": -1e-5, "skew": 8e4}
+STROKE = 20e-6  # m
+
+
+def test_at_rest_it_is_its_formula(paper: Model, lively: Array) -> None:
+    s, d = paper.values("second_order"), paper.values("bouc_wen")
+    x = simulate(paper.with_link(LINK, **VALUES), lively, 1e-3)
+    h, u = 0.0, 0.0
+    for k, voltage in enumerate(lively[:-1]):
+        h, u = advance(h, voltage - u, d["alpha"] * d["d"], d["beta"], d["gamma"], 1.0), voltage
+        weight = 1.0 + VALUES["tilt"] * u + VALUES["bulge"] * u * u + VALUES["skew"] * h
+        expected = s["k"] / (s["k"] + s["k_s"]) * (d["d"] * u - h * weight)
+        assert x[k + 1] == pytest.approx(expected, abs=1e-6 * STROKE)
+
+
+def test_it_knows_the_way_not_the_speed(paper: Model) -> None:
+    u = 80.0 - 80.0 * np.cos(np.arange(500) / 40.0)
+    model = paper.with_link(LINK, **VALUES)
+    quick, slow = (simulate(model, u, period, hold=Hold.FIRST) for period in (1e-2, 1.0))
+    np.testing.assert_allclose(quick, slow, rtol=0.0, atol=1e-5 * np.ptp(slow))
+
+
+def test_a_bipolar_loop_loses_its_symmetry(paper: Model) -> None:
+    """The paper's loop under +-U is its own image in the centre, whatever beta and gamma."""
+    bounded = paper.with_values({("bouc_wen", "gamma"): -0.005})
+    u = 75.0 * np.sin(np.arange(2000) / 1000.0 * np.pi)
+    for model, symmetric in ((bounded, True), (bounded.with_link(LINK, **VALUES), False)):
+        x = simulate(model, u, 1e-2, hold=Hold.FIRST, initial=Initial.PERIODIC)
+        x = x - x.mean()
+        oddness = np.max(np.abs(x[:1000] + x[1000:])) / np.ptp(x)
+        assert oddness < 1e-6 if symmetric else oddness > 5e-3
+
+
+def loops(kind: str, u: Array) -> Array:
+    """Free displacement after other people's equations for h, by small midpoint steps, m."""
+    d, alpha, beta, gamma, parts = 1.4447e-7, 0.0801, 0.0152, -0.0227, 20
+
+    def rate(h: float, v: float, sign: float) -> float:
+        """dh/du in the direction `sign`, times `sign`."""
+        a, b, extra = alpha, beta, 0.0
+        if kind == "zhu and wang":
+            extra = 0.3 * alpha * d * v / 80.0
+        elif kind == "alpha by direction":
+            a = alpha * (1.0 + 0.3 * sign)
+        else:
+            b = beta * (1.0 + 0.4 * sign)
+        return sign * a * d - b * h - sign * gamma * abs(h) + extra
+
+    h, old, w = 0.0, 0.0, []
+    for new in u:
+        step = (new - old) / parts
+        way, sign = abs(step), np.sign(step)
+        for i in range(parts):
+            middle = h + 0.5 * way * rate(h, old + step * i, sign)
+            h += way * rate(middle, old + step * (i + 0.5), sign)
+        old = new
+        w.append(d * new - h)
+    return np.array(w)
+
+
+@pytest.mark.parametrize(
+    ("kind", "left"),
+    [("zhu and wang", 0.3), ("alpha by direction", 0.45), ("beta by direction", 0.2)],
+)
+def test_other_people_s_asymmetry_is_taken_up(paper: Model, kind: str, left: float) -> None:
+    """After a refit with the link less than `left` of what the paper's h cannot follow remains."""
+    t = np.arange(600) / 100.0
+    u = 80.0 * (1.0 - np.cos(2.0 * np.pi * t)) * (0.3 + 0.7 * t / t[-1])
+    measured = loops(kind, u)
+    gain = 5e7 / (5e7 + 8.2e5)
+
+    def remaining(model: Model) -> float:
+        keys = [
+            (link, name)
+            for link in ("bouc_wen", LINK)
+            if link in model.settings
+            for name in model.values(link)
+            if name != "n"
+        ]
+        scales = np.array([abs(model.value(*key)) for key in keys])
+        declared = [link_named(link).parameter(name) for link, name in keys]
+        bounds = [p.low for p in declared] / scales, [p.high for p in declared] / scales
+
+        def residual(z: Array) -> Array:
+            changed = model.with_values(dict(zip(keys, (z * scales).tolist(), strict=True)))
+            x = simulate(changed, np.append(u, u[-1]), 1e-2)[1:] / gain - measured
+            return (x - x.mean()) / STROKE
+
+        start = np.sign([model.value(*key) for key in keys])
+        best = least_squares(residual, start, bounds=bounds, x_scale="jac", max_nfev=60)
+        return float(np.sqrt(2.0 * best.cost / len(u)))
+
+    plain = remaining(paper)
+    assert plain > 3e-3
+    assert remaining(paper.with_link(LINK)) < left * plain
+
+
+def test_planted_values_are_found(
+    paper: Model, lively: Array, recover: Callable[..., tuple[Array, Array]]
+) -> None:
+    truth = np.array(list(VALUES.values()))
+    rig = paper.with_link(LINK, **VALUES)
+    start = {"tilt": 1e-3, "bulge": 1e-5, "skew": 5e4}
+    found, errors = recover(rig, LINK, start, lively, 1e-3)
+    assert np.all(np.abs(found - truth) < 4.0 * errors)
+    assert np.all(errors < 0.2 * np.abs(truth))

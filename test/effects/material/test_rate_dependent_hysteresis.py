@@ -1,0 +1,89 @@
+"""The loop that widens with the rate: its average of it, the logarithm, slow and fast limits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from microgripper_control.core.signals import FREE, HYSTERESIS, ROWS, VOLTAGE, Array, Timing
+from microgripper_control.effects.registry import link_named
+from microgripper_control.plant.model import Model
+from microgripper_control.plant.simulate import Hold, Initial, simulate
+
+LINK = "rate_dependent_hysteresis"
+VALUES = {"strength": 0.2, "memory": 0.03, "reference": 5.0}
+
+
+def added(u: Array, h: Array, steps: tuple[float, ...], ramped: bool) -> Array:
+    """What the link adds to the free displacement for given u and h."""
+    link = link_named(LINK)
+    prepared = link.prepare(VALUES, Timing(sum(steps), steps, ramped), np.zeros(ROWS))
+    bus = np.zeros((ROWS, len(u)))
+    bus[VOLTAGE], bus[HYSTERESIS] = u, h
+    link.kernel(prepared.coefficients, prepared.state, bus)
+    return bus[FREE]
+
+
+def share(rate: Array) -> Array:
+    return VALUES["strength"] * np.log10(1.0 + rate / VALUES["reference"])
+
+
+def test_at_a_steady_rate_it_is_the_logarithm_of_it() -> None:
+    for rate in (0.5, 50.0, 5000.0):
+        u = rate * 1e-3 * np.arange(1, 1001)
+        out = added(u, np.ones(1000), (1e-3,), True)
+        np.testing.assert_allclose(out[-1], -share(np.array(rate)), rtol=1e-6)
+
+
+def test_the_rate_is_averaged_over_the_memory() -> None:
+    u = np.random.default_rng(0).normal(size=40).cumsum()
+    step, rate, expected = 5e-3, 0.0, []
+    for way in np.abs(np.diff(u, prepend=0.0)):
+
+        def rates(t: float, r: Array, way: float = float(way)) -> Array:
+            return (way / step - r) / VALUES["memory"]
+
+        rate = solve_ivp(rates, (0.0, step), [rate], rtol=1e-10, atol=1e-12).y[0, -1]
+        expected.append(rate)
+    out = added(u, np.ones(40), (step,), True)
+    np.testing.assert_allclose(out, -share(np.array(expected)), rtol=1e-7)
+
+
+def test_a_jump_counts_as_its_height_spread_over_the_memory() -> None:
+    t = np.cumsum(np.resize((0.4e-3, 0.6e-3), 200))
+    out = added(np.full(200, 7.0), np.ones(200), (0.4e-3, 0.6e-3), False)
+    rate = 7.0 / VALUES["memory"] * np.exp(-t / VALUES["memory"])
+    np.testing.assert_allclose(out, -share(rate), rtol=1e-10)
+
+
+def test_a_slow_cycle_is_the_paper_s(paper: Model) -> None:
+    u = 80.0 - 80.0 * np.cos(np.arange(400) / 400.0 * 4.0 * np.pi)
+    model = paper.with_link(LINK, **VALUES)
+    x, absent = (simulate(m, u, 100.0, hold=Hold.FIRST) for m in (model, paper))
+    assert np.max(np.abs(x - absent)) < 0.01 * 0.043 * np.ptp(absent)
+
+
+def test_loops_widen_by_the_same_in_each_decade_of_rate(paper: Model) -> None:
+    """Far above the reference, and with a memory long enough to scale the loop as a whole."""
+    u = 80.0 - 80.0 * np.cos(np.arange(1000) / 1000.0 * 2.0 * np.pi)
+    stiff = paper.with_values({("second_order", "m"): 1e-9, ("second_order", "b"): 1e-3})
+    model = stiff.with_link(LINK, strength=0.2, memory=100.0, reference=1e-3)
+
+    def width(model: Model, cycle: float) -> float:
+        x = simulate(model, u, cycle / 1000.0, hold=Hold.FIRST, initial=Initial.PERIODIC)
+        return float(np.max(x[501:] - x[499:0:-1]))
+
+    widths = [width(model, cycle) for cycle in (10.0, 1.0, 0.1, 0.01)]
+    np.testing.assert_allclose(np.diff(widths), 0.2 * width(stiff, 10.0), rtol=0.03)
+
+
+def test_planted_values_are_found(
+    paper: Model, lively: Array, recover: Callable[..., tuple[Array, Array]]
+) -> None:
+    truth = np.array([0.15, 0.05])
+    rig = paper.with_link(LINK, strength=truth[0], memory=truth[1])
+    found, errors = recover(rig, LINK, {"strength": 0.05, "memory": 0.02}, lively, 1e-3)
+    assert np.all(np.abs(found - truth) < 4.0 * errors)
+    assert np.all(errors < 0.1 * truth)
