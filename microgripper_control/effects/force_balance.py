@@ -149,10 +149,10 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
             x1 = a[0] * x + a[1] * v + a[2] * old + a[3] * new + a[4] * f
             v1 = a[6] * x + a[7] * v + a[8] * old + a[9] * new + a[10] * f
             if short:
-                g = _move(c, s, AT_BEGIN, AT_END, x, v, x1 + a[5] * f, v1 + a[11] * f, step, True)
-                slope = a[5] * (g - f) / (x1 + a[5] * f - x)
-                if abs(slope) < 0.5:
-                    g = f + (g - f) / (1.0 - slope)
+                g = f
+                for _ in range(2):  # near enough to find the middle value
+                    xg, vg = x1 + a[5] * g, v1 + a[11] * g
+                    g = _move(c, s, AT_BEGIN, AT_END, x, v, xg, vg, step, True)
                 half = r[TO_MIDDLE:BULGE]
                 mean, between = 0.5 * (f + g), w + r[MIDDLE] * rise
                 xm = half[0] * x + half[1] * v + half[2] * old + half[3] * between

@@ -28,13 +28,14 @@ from microgripper_control.core.signals import FREE, POSITION, Array, Timing
 from microgripper_control.effects import force_balance as layout
 from microgripper_control.effects.base import Load, Prepared, Values
 
-FINE = 0.12  # rad, for forces that outdo k + k_s; for weaker ones by their share ** -1/4
-COARSER = 7.0  # times that, at most, where the ringing decays within the step
+FINE = 0.15  # rad, for forces that outdo k + k_s; for weaker ones by their share ** -1/4
+COARSER = 7.0  # times that, at most, where the ringing dies away within the step
 PIECES = 7.0  # of a half swing of such a ringing, times the root of the forces' share
 WEAKEST = 0.04  # share of the forces in the stiffness: weaker ones are not treated coarser
 SHORT = 3.3  # rad, up to which F runs along a parabola
 AT_REST = 4.0  # time constants after which the course of a substep does not matter
 DIED_AWAY = 5.0  # time constants after which the rest of the ringing does not matter
+RUNG = 1.25  # omega is rounded to powers of this where substeps are counted
 MOST_SUBSTEPS = 1000
 
 
@@ -87,10 +88,13 @@ def _division(
     fine = FINE / share**0.25
     if by_path and not ramped and half < own:
         lasting = math.exp(-decay * step / 4.0)
-        pieces = lasting * math.pi / fine + (1.0 - lasting) * PIECES * math.sqrt(share)
-        span = math.pi / math.sqrt(omega**2 - half**2) / round(pieces)
+        pieces = round(lasting * math.pi / fine + (1.0 - lasting) * PIECES * math.sqrt(share))
+        span = math.pi / math.sqrt(omega**2 - half**2) / pieces
         if decay * step > DIED_AWAY + AT_REST:
-            count = min(MOST_SUBSTEPS, math.ceil(DIED_AWAY / (decay * span)))
+            # A fit moves omega by a little each time: the count must not hop along with it.
+            rounded = own * RUNG ** math.ceil(math.log(omega / own, RUNG) - 0.25)
+            swings = DIED_AWAY / decay * math.sqrt(rounded**2 - half**2) / math.pi
+            count = min(MOST_SUBSTEPS, math.ceil(swings * pieces))
             return [*[span] * count, step - count * span]
     else:
         count = 1 if ramped else 2

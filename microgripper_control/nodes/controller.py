@@ -65,16 +65,17 @@ class ControllerNode(ManagedShell):
     def activate(self) -> None:
         """Begin to take samples, in lockstep once the plant takes the answers."""
         self._lockstep = self._value("lockstep")
+        self._awaits = self._lockstep and self._value("await_setpoint")
         patience = self._value("setpoint_wait") * self._settings.sample_period
         if self._lockstep:
             patience = self._value("lockstep_timeout")
-        awaits = self._value("await_setpoint")
-        self._pairing = Pairing(patience, lockstep=self._lockstep, awaits=awaits)
+        self._pairing = Pairing(patience, lockstep=self._lockstep, awaits=self._awaits)
         self._statistics = Statistics()
         self._started = False
+        if not self._awaits:
+            self._open_setpoints()
         if not self._lockstep:
-            for subscription in (*self._setpoints, self._samples):
-                subscription.open()
+            self._samples.open()
 
     def deactivate(self) -> None:
         """Bring the voltage down."""
@@ -100,11 +101,23 @@ class ControllerNode(ManagedShell):
         return max(0.0, self._pairing.deadline - time.monotonic())
 
     def _join(self) -> None:
-        """In lockstep: take setpoints, and samples once the partners take the answers."""
+        """In lockstep: take samples once all others are there and have been told of."""
         for subscription in self._setpoints:
             subscription.open(if_published=True)
-        if not topics.missing_partners(self, self._answers, self._value("partners")):
+        if not self._missing():
             self._samples.open(if_published=True)
+        if self._samples.is_open:
+            self._open_setpoints()
+
+    def _missing(self) -> list[str]:
+        missing = topics.missing_partners(self, self._answers, self._value("partners"))
+        if self._awaits and not any(subscription.is_open for subscription in self._setpoints):
+            missing.append("a publisher of setpoints")
+        return missing
+
+    def _open_setpoints(self) -> None:
+        for subscription in self._setpoints:
+            subscription.open()
 
     def _on_sample(self, message: JointState) -> None:
         if not self.active or self._controller is None:
@@ -174,7 +187,8 @@ class ControllerNode(ManagedShell):
         if not self.active or self._controller is None:
             return Health("not active")
         if not self._samples.is_open:
-            return Health("waiting for " + ", ".join(self._value("partners")))
+            missing = self._missing() or [topics.JOINT_STATES]
+            return Health("lockstep: waiting for " + ", ".join(missing))
         return self._statistics.health(self._controller, elapsed)
 
     def _values(self, names: Iterable[str]) -> dict[str, Any]:
