@@ -34,6 +34,8 @@ COLUMNS = 31
 X, V, W, F, CARRIED = 0, 1, 2, 3, 4
 AT_BEGIN, AT_MIDDLE, AT_END = 0, 1, 2
 
+Pair = tuple[float, float]  # of x, m, and v, m/s, or what goes into them per N
+
 MOST_TRIALS = 100
 CLOSE = 1e-8  # of the way: how far off an error of the force may put the mass
 ROUNDING = 1e-15  # of the position
@@ -71,18 +73,11 @@ def _turn(way: float, v0: float, v1: float) -> float:
 
 @compiled
 def _move(
-    c: Array,
-    s: Array,
-    before: int,
-    after: int,
-    x0: float,
-    v0: float,
-    x1: float,
-    v1: float,
-    step: float,
-    short: bool,
+    c: Array, s: Array, before: int, after: int, begin: Pair, end: Pair, step: float, short: bool
 ) -> float:
-    """Force at the end of a way that may turn once."""
+    """Force at the end of a way from x, v to x, v that may turn once."""
+    x0, v0 = begin
+    x1, v1 = end
     if short and v0 * v1 < 0.0:
         way = (x1 - x0) / step
         at = _turn(way, v0, v1)
@@ -98,25 +93,22 @@ def _balance(
     c: Array,
     s: Array,
     before: int,
-    x0: float,
-    v0: float,
-    x: float,
-    v: float,
-    gx: float,
-    gv: float,
+    begin: Pair,
+    free: Pair,
+    gain: Pair,
     step: float,
     short: bool,
     guess: float,
 ) -> float:
-    """The F for which the laws, at x + gx F and v + gv F, give F."""
+    """The F for which the laws, at free + gain F, give F."""
     low, high = -math.inf, math.inf
     f, last, last_excess = guess, 0.0, 0.0
     law = f
     for trial in range(MOST_TRIALS):
-        x1 = x + gx * f
-        law = _move(c, s, before, AT_END, x0, v0, x1, v + gv * f, step, short)
+        x = free[0] + gain[0] * f
+        law = _move(c, s, before, AT_END, begin, (x, free[1] + gain[1] * f), step, short)
         excess = f - law
-        if not abs(gx * excess) > max(CLOSE * abs(x1 - x0), ROUNDING * abs(x1)):
+        if not abs(gain[0] * excess) > max(CLOSE * abs(x - begin[0]), ROUNDING * abs(x)):
             break  # also where it is not a number
         if excess > 0.0:
             high = f
@@ -132,40 +124,41 @@ def _balance(
 
 
 @compiled
+def _carry(table: Array, x: float, v: float, w0: float, w1: float, f: float) -> Pair:
+    """Where the table of a substep takes x and v while F runs straight from f to zero."""
+    return (
+        table[0] * x + table[1] * v + table[2] * w0 + table[3] * w1 + table[4] * f,
+        table[6] * x + table[7] * v + table[8] * w0 + table[9] * w1 + table[10] * f,
+    )
+
+
+@compiled
 def kernel(coefficients: Array, state: Array, bus: Array) -> None:
     """As `effects.base.Kernel`; the rows of both arrays are told above."""
     c, s = coefficients, state
-    first = 1 + int(c[0, 0])
-    carried = int(c[0, 1])
+    first, carried = 1 + int(c[0, 0]), int(c[0, 1])
     x, v, w, f = s[X], s[V], s[W], s[F]
     i = first
     for j in range(bus.shape[1]):
-        rise = bus[FREE, j] - w
-        old = w
+        rise, old = bus[FREE, j] - w, w
         while True:
             r = c[i]
-            a, step, short = r[TO_END:TO_MIDDLE], r[DURATION], r[SHORT] > 0.0
-            new = w + r[END] * rise
-            x1 = a[0] * x + a[1] * v + a[2] * old + a[3] * new + a[4] * f
-            v1 = a[6] * x + a[7] * v + a[8] * old + a[9] * new + a[10] * f
+            step, new, short = r[DURATION], w + r[END] * rise, r[SHORT] > 0.0
+            free, gain = _carry(r[TO_END:], x, v, old, new, f), (r[TO_END + 5], r[TO_END + 11])
             if short:
                 g = f
                 for _ in range(2):  # near enough to find the middle value
-                    xg, vg = x1 + a[5] * g, v1 + a[11] * g
-                    g = _move(c, s, AT_BEGIN, AT_END, x, v, xg, vg, step, True)
-                half = r[TO_MIDDLE:BULGE]
-                mean, between = 0.5 * (f + g), w + r[MIDDLE] * rise
-                xm = half[0] * x + half[1] * v + half[2] * old + half[3] * between
-                vm = half[6] * x + half[7] * v + half[8] * old + half[9] * between
-                xm += half[4] * f + half[5] * mean
-                vm += half[10] * f + half[11] * mean
-                bulge = _move(c, s, AT_BEGIN, AT_MIDDLE, x, v, xm, vm, 0.5 * step, True) - mean
-                x1 += r[BULGE] * bulge
-                v1 += r[BULGE + 1] * bulge
-                g = _balance(c, s, AT_MIDDLE, xm, vm, x1, v1, a[5], a[11], 0.5 * step, True, g)
+                    end = (free[0] + gain[0] * g, free[1] + gain[1] * g)
+                    g = _move(c, s, AT_BEGIN, AT_END, (x, v), end, step, True)
+                mean = 0.5 * (f + g)
+                xm, vm = _carry(r[TO_MIDDLE:], x, v, old, w + r[MIDDLE] * rise, f)
+                half = (xm + r[TO_MIDDLE + 5] * mean, vm + r[TO_MIDDLE + 11] * mean)
+                bulge = _move(c, s, AT_BEGIN, AT_MIDDLE, (x, v), half, 0.5 * step, True) - mean
+                free = (free[0] + r[BULGE] * bulge, free[1] + r[BULGE + 1] * bulge)
+                f = _balance(c, s, AT_MIDDLE, half, free, gain, 0.5 * step, True, g)
             else:
-                g = _balance(c, s, AT_BEGIN, x, v, x1, v1, a[5], a[11], step, False, f)
-            x, v, f, old = x1 + a[5] * g, v1 + a[11] * g, g, new
+                f = _balance(c, s, AT_BEGIN, (x, v), free, gain, step, False, f)
+            x, v, old = free[0] + gain[0] * f, free[1] + gain[1] * f, new
             for n in range(CARRIED, CARRIED + carried):
                 s[n] = s[n + AT_END * carried]
             i = i + 1 if i + 1 < len(c) else first

@@ -47,6 +47,14 @@ class Running:
         """What it has printed so far."""
         return self._log.read_text(encoding="utf-8", errors="replace")
 
+    def until_it_says(self, text: str) -> None:
+        """Wait for a text in its log."""
+        end = time.monotonic() + PATIENCE
+        while text not in self.log:
+            assert self.process.poll() is None, f"{self.name} ended: {self.log}"
+            assert time.monotonic() < end, f"{self.name} did not say {text!r}"
+            time.sleep(0.02)
+
     def ended(self) -> int:
         """Its exit status, once it has ended by itself."""
         return self.process.wait(PATIENCE)

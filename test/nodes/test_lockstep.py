@@ -19,19 +19,18 @@ pytestmark = pytest.mark.ros
 WAVE = {"shape": "sine", "low": 4e-6, "high": 14e-6, "frequency": 2.0}
 
 
-def experiment(start: Start, out: Path, length: float, **plant: object) -> Recording:
+def experiment(
+    start: Start, out: Path, length: float, *, reference_last: bool = False, **plant: object
+) -> Recording:
     """Record a run from its first sample to its last."""
     recorder = start("recorder", out=str(out))
     controller = start("controller", lockstep=True, partners=["plant_simulator", "recorder"])
+    partners = ["controller", "reference", "recorder"]
+    simulator = start("plant_simulator", lockstep=True, partners=partners, duration=length, **plant)
+    if reference_last:
+        controller.until_it_says("waiting for a publisher of setpoints")
     reference = start(
         "reference", partners=["controller", "recorder"], at_end="stop", length=length, **WAVE
-    )
-    simulator = start(
-        "plant_simulator",
-        lockstep=True,
-        partners=["controller", "reference", "recorder"],
-        duration=length,
-        **plant,
     )
     assert simulator.ended() == 0
     assert reference.ended() == 0
@@ -68,7 +67,12 @@ def test_the_cascade_tracks_a_plant_that_is_not_quite_its_model(
     }
     save_model(nominal.with_values(off), tmp_path / "off.yaml")
     run = experiment(
-        start, tmp_path / "bag", 2.5, model_file=str(tmp_path / "off.yaml"), noise_std=0
+        start,
+        tmp_path / "bag",
+        2.5,
+        reference_last=True,
+        model_file=str(tmp_path / "off.yaml"),
+        noise_std=0,
     )
     assert run.setpoint is not None
     error = (run.measured - run.setpoint)[1000:]

@@ -73,7 +73,6 @@ def test_every_node_ends_by_signal_with_exit_status_0(start: Start, tmp_path: Pa
         start("player", recording=str(save), pace="samples", partners=["nobody"]),
     ]
     for node in nodes:
-        while "starting" not in node.log:
-            assert node.process.poll() is None, node.log
+        node.until_it_says("starting")
     for number, node in enumerate(nodes):
         assert node.stop((signal.SIGINT, signal.SIGTERM)[number % 2]) == 0, node.name

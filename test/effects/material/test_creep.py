@@ -120,9 +120,9 @@ def test_planted_values_are_found(
 
 def test_identification_finds_it_beside_the_rest(paper: Model) -> None:
     truth = paper.with_link("creep", strength=0.013, fastest=0.03)
-    u = holds(20.0, 5e-3)
+    u = holds(20.0, 2e-2)
     noise = 15e-9 * np.random.default_rng(1).normal(size=len(u))
-    record = Recording("run", 5e-3, u, simulate(truth, u, 5e-3) + noise)
+    record = Recording("run", 2e-2, u, simulate(truth, u, 2e-2) + noise)
     found = fit(paper.with_link("creep"), [record])
     assert found.rmse[0] == pytest.approx(15e-9, rel=0.05)
     interval = found.model.settings["creep"]["strength"].interval
