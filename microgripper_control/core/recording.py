@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.signals import Array
@@ -43,7 +44,8 @@ class Recording:
 
     `voltage[k]` (V) is applied from that instant on, `displacement[k]` (m) is read at it;
     `displacement` and `setpoint` (m) are None where they were not recorded. `warnings` says what
-    was mended on reading. Raises MicrogripperError naming the recording on bad samples.
+    was mended on reading, `read` (bool, shape (n,), None for all) which samples are no fillings.
+    Raises MicrogripperError naming the recording on bad samples.
     """
 
     name: str
@@ -53,6 +55,7 @@ class Recording:
     setpoint: Array | None = None
     start: float = 0.0  # s
     warnings: tuple[str, ...] = ()
+    read: NDArray[np.bool_] | None = None
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.sample_period) and self.sample_period > 0.0):
@@ -71,6 +74,11 @@ class Recording:
         if self.displacement is None:
             raise MicrogripperError(f"{self.name}: has no displacement; record it, or map it")
         return self.displacement
+
+    @property
+    def present(self) -> NDArray[np.bool_]:
+        """The samples that were read, not filled in, shape (n,)."""
+        return np.ones(len(self), bool) if self.read is None else self.read
 
     @property
     def time(self) -> Array:

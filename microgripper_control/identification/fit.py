@@ -99,7 +99,7 @@ def _result(problem: Problem, z: Array, undetermined: tuple[Undetermined, ...]) 
     rmse, relative, white = [], [], []
     for recording, nuisance in zip(problem.recordings, nuisances, strict=True):
         prediction = predict(model, recording, problem.conditions, nuisance)
-        error = (recording.measured - prediction)[problem.conditions.unanswered :]
+        error = (recording.measured - prediction)[problem.conditions.answered(recording)]
         rmse.append(float(np.sqrt(np.mean(error**2))))
         relative.append(rmse[-1] / float(np.ptp(recording.measured)))
         white.append(white_noise(error))

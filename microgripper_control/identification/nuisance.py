@@ -46,9 +46,10 @@ class Conditions:
         """
         return int(self.hold is Hold.ZERO and self.initial is Initial.FIRST_SAMPLE)
 
-    def answered(self, length: int) -> Mask:
-        """The samples of a recording that its voltage explains, shape (length,)."""
-        return np.arange(length) >= self.unanswered
+    def answered(self, recording: Recording) -> Mask:
+        """The samples of a recording that were read and that its voltage explains, shape (n,)."""
+        mask: Mask = recording.present & (np.arange(len(recording)) >= self.unanswered)
+        return mask
 
 
 @dataclass(frozen=True)
@@ -128,7 +129,7 @@ def fit_nuisance(
 
     Deterministic: a fixed number of steps from a fixed start, so whoever repeats it gets the same.
     """
-    mask = conditions.answered(len(recording))
+    mask = conditions.answered(recording)
     if used is not None:
         mask &= used
     shapes = courses(model, recording)[:, mask]
@@ -167,4 +168,4 @@ def heldout_prediction(
     """
     nuisance = fit_nuisance(model, recording, conditions, blocks(len(recording), odd=True))
     prediction = predict(model, recording, conditions, nuisance)
-    return prediction, blocks(len(recording), odd=False)
+    return prediction, blocks(len(recording), odd=False) & recording.present

@@ -46,7 +46,7 @@ class Problem:
     @cached_property
     def masks(self) -> list[Mask]:
         """The samples of each recording that count."""
-        masks = [self.conditions.answered(len(recording)) for recording in self.recordings]
+        masks = [self.conditions.answered(recording) for recording in self.recordings]
         if self.used is not None:
             masks = [mask & used for mask, used in zip(masks, self.used, strict=True)]
         return masks

@@ -76,9 +76,10 @@ class PlantSimulator(ManagedShell):
             return POLL
         due = self._pace.due(now)
         for _ in range(due - 1):
-            self._advance()
+            self._rig.miss()
         if due:
             self._missed += due - 1
+            self._tick += due - 1
             self._advance()
             self._publish()
             self._finish_if_over()

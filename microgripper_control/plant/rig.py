@@ -43,3 +43,12 @@ class Rig:
         self.position = self._before = x
         self.voltage = self._command
         self._plant.write(self.voltage)
+
+    def miss(self) -> None:
+        """Let a tick pass that was slept through: the held voltage stays on.
+
+        A command that came meanwhile waits for the next tick: whoever fills in the missing samples
+        can only know the voltage of the last one.
+        """
+        self._before = self._plant.read()
+        self._plant.write(self.voltage)

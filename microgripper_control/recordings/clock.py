@@ -75,8 +75,11 @@ def on_uniform_clock(name: str, samples: Samples, warnings: tuple[str, ...] = ()
     samples = _increasing(name, samples, notes)
     period, known = _positions(name, samples.time, notes)
     wanted = np.arange(int(known[-1] + 1e-6) + 1, dtype=float)
+    read = None
     if not np.array_equal(known, wanted):
         samples = samples.on(known, wanted)
+        if np.array_equal(known, np.rint(known)):  # ticks of the clock, some of them missing
+            read = np.isin(wanted, known)
     return Recording(
         name=name,
         sample_period=float(f"{period:.12g}"),  # 0.001 again, not 0.0010000000000000002
@@ -85,6 +88,7 @@ def on_uniform_clock(name: str, samples: Samples, warnings: tuple[str, ...] = ()
         setpoint=samples.setpoint,
         start=samples.origin + float(samples.time[0]),
         warnings=tuple(notes),
+        read=read,
     )
 
 

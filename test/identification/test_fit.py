@@ -87,6 +87,19 @@ def test_a_fast_recording_determines_mass_and_damping() -> None:
     assert found.model.value("second_order", "b") == pytest.approx(150.0, rel=1e-2)
 
 
+def test_samples_that_were_filled_in_do_not_count() -> None:
+    truth = nominal_model()
+    whole = record(truth, growing_loops(8000), 10)
+    read = np.ones(len(whole), bool)
+    for start in range(200, 7800, 400):
+        read[start : start + 60] = False
+    filled = np.interp(whole.time, whole.time[read], whole.measured[read])
+    holed = Recording("holed", 1e-3, whole.voltage.copy(), filled, read=read)
+    found = fit(mistuned(truth, 1.1, 0.9, 1.1, 0.9), [holed])
+    assert all(error(found, truth, name) < 1e-2 for name in NAMES)
+    assert found.rmse[0] == pytest.approx(NOISE, rel=0.05)
+
+
 def test_a_recording_that_starts_anywhere_has_its_own_initial_hysteresis() -> None:
     truth = nominal_model()
     whole = record(truth, growing_loops(12_000), 4)

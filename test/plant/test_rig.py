@@ -44,3 +44,16 @@ def test_commands_beyond_the_range_are_clipped_and_wild_ones_ignored() -> None:
         assert rig.voltage == applied
     rig.command(math.inf)
     assert (rig.clipped, rig.refused) == (2, 2)
+
+
+def test_a_command_during_missed_ticks_waits_for_the_next_one() -> None:
+    rig = Rig(nominal_model(), 1e-3)
+    rig.command(50.0)
+    rig.tick()
+    rig.command(100.0)
+    rig.miss()
+    assert rig.voltage == 50.0
+    rig.tick()
+    assert rig.voltage == 100.0
+    held = simulate(nominal_model(), np.array([50.0, 50.0, 100.0, 100.0]), 1e-3)
+    assert rig.position == held[2]
