@@ -11,7 +11,7 @@ from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
 from microgripper_control.demo.plan import MODES, SEGMENTS, WARM_UP, course
 
-ALIKE = 0.03  # of the course's span: how far recorded setpoints may be from the planned, on average
+ALIKE = 0.1  # of the course's span: how far recorded setpoints may be from the planned, on average
 NEIGHBOURHOOD = 200  # samples: about the same course, shifted
 PROBES = 200  # samples of the course that are compared
 
