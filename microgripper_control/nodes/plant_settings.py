@@ -52,6 +52,8 @@ def declare(node: Node) -> None:
 def make_rig(node: Node) -> Rig:
     """The rig that the parameters ask for, compiled; MicrogripperError where there is none."""
     model = load_model(model_path(node.get_parameter("model_file").value))
+    for warning in model.warnings:
+        node.get_logger().warning(warning)
     noise = {key: node.get_parameter(name).value for name, key in NOISE_PARAMETERS.items()}
     model = model.with_link(NOISE.name, **noise)
     period = 1.0 / node.get_parameter("sample_rate").value
