@@ -21,7 +21,7 @@ from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.recording import Recording
 from microgripper_control.demo.experiment import run_experiment
 from microgripper_control.demo.plan import MODES, SEGMENTS, WARM_UP, controllers_model, true_model
-from microgripper_control.demo.tracking import Tracking, tracking
+from microgripper_control.demo.tracking import MOST_MISSED, Tracking, tracking
 from microgripper_control.effects.mechanics.second_order import static_gain
 from microgripper_control.identification.fit import Fit, fit
 from microgripper_control.plant.model import Model, Setting
@@ -58,15 +58,15 @@ def demo(
         def advance(what: str) -> None:
             bar.update(task, description=what, advance=1)
 
-        bag = run_experiment(out, seed, lambda what: advance(f"recording: {what}"))
+        experiment = run_experiment(out, seed, lambda what: advance(f"recording: {what}"))
         advance("identifying the model from the bag")
-        recording = read_recording(bag)
+        recording = read_recording(experiment.bag)
         found = fit(controllers_model(), [recording])
         save_model(found.model, out / "fitted.yaml")
         advance("drawing")
-        parts = tracking(recording)
+        parts = tracking(recording, experiment.runs)
         tables = [_tracking_table(parts), _identification_table(found)]
-        sentences = _sentences(recording, found)
+        sentences = _sentences(recording, found, parts)
         _draw(out, recording, found, parts, sentences, tables)
     for shown in tables:
         console.print(_table(shown))
@@ -99,13 +99,22 @@ def _draw(
 
 def _tracking_table(parts: Sequence[Tracking]) -> Shown:
     segments = [name for name in SEGMENTS if name != WARM_UP]
-    cell = {(part.segment, part.mode): f"{100.0 * part.rms:.3f}" for part in parts}
-    rows = [[segment, *(cell[segment, mode] for mode in MODES)] for segment in segments]
+    cells = {(part.segment, part.mode): _cell(part) for part in parts}
+    rows = [
+        [segment, *(cells.get((segment, mode), "not recorded") for mode in MODES)]
+        for segment in segments
+    ]
     title = (
         "Tracking error, rms in % of the setpoint's peak to peak "
         f"(the paper: less than {100.0 * PAPERS_ERROR:g} %)"
     )
     return Shown(title, ("segment", *MODES), rows)
+
+
+def _cell(part: Tracking) -> str:
+    if part.rms is None:
+        return f"missed {100.0 * part.missed:.0f} %"
+    return f"{100.0 * part.rms:.3f}"
 
 
 def _identification_table(found: Fit) -> Shown:
@@ -130,9 +139,9 @@ def _gain(model: Model) -> float:
     return model.value("bouc_wen", "d") * static_gain(model.values("second_order"))
 
 
-def _sentences(recording: Recording, found: Fit) -> list[str]:
+def _sentences(recording: Recording, found: Fit, parts: Sequence[Tracking]) -> list[str]:
     lost = " ".join(recording.warnings) or "no sample was lost"
-    return [
+    sentences = [
         f"Recorded: {len(recording)} samples in {recording.duration:.1f} s at "
         f"{1.0 / recording.sample_period:g} Hz; {lost}.",
         "The controllers' model was 10 % off in every parameter. "
@@ -140,6 +149,12 @@ def _sentences(recording: Recording, found: Fit) -> list[str]:
         f"{100.0 * found.relative_rmse[0]:.3f} % of peak to peak; white noise in that: "
         f"{1e9 * found.white_noise[0]:.1f} nm.",
     ]
+    if any(part.rms is None for part in parts):
+        sentences.append(
+            f"Where more than {100.0 * MOST_MISSED:.0f} % was missed (the plant slept through the "
+            "sample, or its setpoint came late), the machine was too slow to judge the controller."
+        )
+    return sentences
 
 
 def _table(shown: Shown) -> Table:

@@ -3,23 +3,45 @@
 from __future__ import annotations
 
 import shutil
+import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 from microgripper_control.demo.plan import MODES, NOISE, SAMPLE_PERIOD, SEGMENTS, write_settings
 from microgripper_control.demo.processes import Nodes
 
-STARTING = 60.0  # s: longest time for a node to start, compiling included
+STARTING = 120.0  # s: longest time for a node to start, compiling included
 Progress = Callable[[str], None]
 
 
-def run_experiment(folder: Path, seed: int, progress: Progress) -> Path:
-    """Run all modes, recorded in one bag; returns its folder. Takes about a minute."""
+@dataclass(frozen=True)
+class Run:
+    """One mode's run: all its samples are stamped between `begin` and `end`, s since 1970."""
+
+    mode: str
+    begin: float
+    end: float
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """What was recorded: the bag's folder, and the runs in it."""
+
+    bag: Path
+    runs: tuple[Run, ...]
+
+
+def run_experiment(folder: Path, seed: int, progress: Progress) -> Experiment:
+    """Run all modes, recorded in one bag. Takes about a minute."""
     rig, believed, reference = write_settings(folder)
     bag = folder / "bag"
     shutil.rmtree(bag, ignore_errors=True)
     rate = 1.0 / SAMPLE_PERIOD
     length = sum(segment["length"] for segment in SEGMENTS.values())
+    # Like the plant's stamps, so that the runs stay where they are if somebody sets the clock.
+    start_of_clock = time.time() - time.monotonic()
+    runs = []
     with Nodes(folder / "log") as nodes:
         plant = nodes.start(
             "plant_simulator", model_file=rig, sample_rate=rate, noise_std=NOISE, seed=seed
@@ -34,6 +56,7 @@ def run_experiment(folder: Path, seed: int, progress: Progress) -> Path:
                 sample_rate=rate,
                 model_file=believed,
             )
+            begin = time.monotonic()
             setpoints = nodes.start(
                 "reference",
                 reference,
@@ -43,9 +66,11 @@ def run_experiment(folder: Path, seed: int, progress: Progress) -> Path:
                 partners=["controller", "recorder"],
             )
             nodes.wait_for(setpoints, STARTING + length)
+            end = time.monotonic()
+            runs.append(Run(mode, start_of_clock + begin, start_of_clock + end))
             nodes.end(setpoints)
             nodes.end(controller)
         progress("closing the bag")
         nodes.end(recorder)
         nodes.end(plant)
-    return bag
+    return Experiment(bag, tuple(runs))

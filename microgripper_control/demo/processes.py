@@ -7,21 +7,19 @@ reaches the demo alone, which then ends them in order.
 
 from __future__ import annotations
 
-import os
-import random
 import signal
 import subprocess
 import sys
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from types import FrameType, TracebackType
 
 from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.demo.domain import on_this_machine, unused_domain
 
-DOMAINS = range(1, 102)  # those whose ports no client's own port can take
-PATIENCE = 20.0  # s, for a node to end when asked
+PATIENCE = 60.0  # s, for a node to end when asked
 POLL = 0.02  # s
 LOG_LINES = 3  # of a failed node's log, in the error
 
@@ -77,14 +75,12 @@ class Nodes:
         log_folder.mkdir(parents=True, exist_ok=True)
         self._logs = log_folder
         self._running: list[Node] = []
-        self._env = {
-            **os.environ,
-            "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
-            "ROS_DOMAIN_ID": str(random.choice(DOMAINS)),
-            "ROS_LOG_DIR": str(log_folder / "ros"),
-        }
+        self._env: dict[str, str] = {}
+        self._domain = ExitStack()
 
     def __enter__(self) -> Nodes:
+        domain = self._domain.enter_context(unused_domain())
+        self._env = on_this_machine(domain) | {"ROS_LOG_DIR": str(self._logs / "ros")}
         return self
 
     def __exit__(
@@ -94,7 +90,7 @@ class Nodes:
         trace: TracebackType | None,
     ) -> None:
         # The last started depend on the first: the plant goes last.
-        with _interrupts_held_back():
+        with _interrupts_held_back(), self._domain:
             for node in reversed(self._running):
                 node.end()
 

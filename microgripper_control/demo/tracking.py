@@ -1,7 +1,9 @@
-"""How well each mode followed the setpoints, read from the bag alone."""
+"""How well each mode followed the setpoints, and how much of that the machine missed."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,64 +11,77 @@ import numpy as np
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
-from microgripper_control.demo.plan import MODES, SEGMENTS, WARM_UP, course
+from microgripper_control.demo.experiment import Run
+from microgripper_control.demo.plan import SEGMENTS, WARM_UP, course
 
-ALIKE = 0.1  # of the course's span: how far recorded setpoints may be from the planned, on average
-NEIGHBOURHOOD = 200  # samples: about the same course, shifted
-PROBES = 200  # samples of the course that are compared
+LATE = 0.01  # of a segment's span: a setpoint that far from the planned one is of another tick
+MOST_MISSED = 0.25  # of a segment's ticks: with more the error says little of the controller
 
 
 @dataclass(frozen=True)
 class Tracking:
-    """One segment of one mode: samples start .. stop of the recording, and the error in it."""
+    """One segment of one mode: samples start .. stop of the recording, and the error in it.
+
+    `missed` is the share of its ticks that do not count: the plant slept through them, or their
+    setpoint came late. `rms` is None where that is more than MOST_MISSED.
+    """
 
     mode: str
     segment: str
     start: int
     stop: int
-    rms: float  # of the setpoint's peak to peak
-    largest: float  # of the setpoint's peak to peak
+    missed: float
+    rms: float | None  # of the setpoint's peak to peak
 
 
-def tracking(recording: Recording) -> list[Tracking]:
-    """The tracking of each mode and segment; the warm-up does not count."""
+def tracking(recording: Recording, runs: Sequence[Run]) -> list[Tracking]:
+    """The tracking of each mode and segment; the warm-up does not count.
+
+    A run of which the recording does not have the whole time is left out.
+    """
     if recording.setpoint is None:
         raise MicrogripperError(f"{recording.name}: has no setpoint; record the topic too")
     edges = course().boundaries(recording.sample_period)
+    planned = course().samples(edges[-1], recording.sample_period)
     results = []
-    end = 0
-    for mode in MODES:
-        begin = _find_course(recording, end)
-        end = begin + edges[-1]
+    for run in runs:
+        begin = _begin(recording, run, planned, warm_up=edges[1])
+        if begin is None:
+            continue
         for segment, start, stop in zip(SEGMENTS, edges, edges[1:], strict=False):
             if segment != WARM_UP:
                 part = slice(begin + start, begin + stop)
-                errors = _errors(recording.setpoint[part], recording.measured[part])
-                results.append(Tracking(mode, segment, part.start, part.stop, *errors))
+                missed, rms = _error(recording, part, planned[start:stop])
+                results.append(Tracking(run.mode, segment, part.start, part.stop, missed, rms))
     return results
 
 
-def _find_course(recording: Recording, after: int) -> int:
-    """The sample at or after `after` from which on the planned setpoints were recorded.
+def _begin(recording: Recording, run: Run, planned: Array, warm_up: int) -> int | None:
+    """The sample of a run from which on the recorded setpoints are nearest to the planned.
 
-    Where samples are missing the setpoints are held: alike means alike on the whole.
+    Where some came late the one before was held, so no threshold tells; within its run, the nearest
+    is the right one. It is negative where the recorder got its first sample during the warm-up, of
+    so many samples. None where the recording is too short.
     """
     assert recording.setpoint is not None
-    length = course().boundaries(recording.sample_period)[-1]
-    planned = course().samples(length, recording.sample_period)
-    begins = np.arange(after, len(recording) - length + 1)
-    apart = np.zeros(len(begins))
-    for probe in np.linspace(0, length - 1, PROBES).astype(int):
-        difference = np.abs(recording.setpoint[begins + probe] - planned[probe])
-        apart += np.minimum(np.nan_to_num(difference, nan=np.inf), np.ptp(planned)) / PROBES
-    near = np.flatnonzero(apart < ALIKE * np.ptp(planned))
-    if not len(near):
-        raise MicrogripperError(f"{recording.name}: the planned setpoints are not in it")
-    within = slice(near[0], near[0] + NEIGHBOURHOOD)
-    return after + int(near[0] + np.argmin(apart[within]))
+    length, period, span = len(planned), recording.sample_period, float(np.ptp(planned))
+    recorded = np.concatenate([np.full(warm_up, np.nan), recording.setpoint])
+    first = max(-warm_up, math.floor((run.begin - recording.start) / period))
+    end = min(len(recording), math.ceil((run.end - recording.start) / period))
+    apart = []
+    for begin in range(first, end - length + 1):
+        difference = np.abs(recorded[begin + warm_up :][:length] - planned)
+        apart.append(np.mean(np.nan_to_num(difference, nan=span)))
+    return first + int(np.argmin(apart)) if apart else None
 
 
-def _errors(setpoint: Array, displacement: Array) -> tuple[float, float]:
-    span = float(np.ptp(setpoint))
-    error = setpoint - displacement
-    return float(np.sqrt(np.mean(error**2))) / span, float(np.max(np.abs(error))) / span
+def _error(recording: Recording, part: slice, planned: Array) -> tuple[float, float | None]:
+    """The share of missed ticks in a part of the recording, and the error rms at the others."""
+    assert recording.setpoint is not None
+    setpoint, span = recording.setpoint[part], float(np.ptp(planned))
+    counts = recording.present[part] & (np.abs(setpoint - planned) < LATE * span)
+    missed = 1.0 - float(np.mean(counts))
+    if missed > MOST_MISSED:
+        return missed, None
+    error = (setpoint - recording.measured[part])[counts]
+    return missed, float(np.sqrt(np.mean(error**2))) / span

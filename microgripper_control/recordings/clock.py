@@ -20,7 +20,7 @@ LARGEST_JITTER = 0.02  # of the sample period, of 95 % of the stamps: below it t
 COARSEST_DIGIT = 0.35  # of the sample period: the last that stamps of a uniform clock may have
 CLEARLY_LATE = 0.1  # of the sample period
 MOST_REPEATED = 0.1  # of the stamps: beyond it they have too few digits
-MOST_MISSING = 1.0  # of the samples that are there: beyond it gaps cannot be filled
+MOST_MISSING = 3.0  # of the samples that are there: beyond it gaps cannot be filled
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ def on_uniform_clock(name: str, samples: Samples, warnings: tuple[str, ...] = ()
     """Make a recording of stamped samples; `warnings` are added to those of this function.
 
     Raises MicrogripperError, with the index of the sample, on values that are not finite, on time
-    that runs backwards and where more of the ticks are missing than present.
+    that runs backwards and where more than three quarters of the ticks are missing.
     """
     check_samples(name, samples.voltage, samples.displacement, samples.setpoint)
     notes = list(warnings)

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -16,19 +17,41 @@ from microgripper_control.effects.mechanics.second_order import static_gain
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.model_file import load_model
 
-COMMAND = "from microgripper_control.cli.main import main; main()"
-PATIENCE = 180.0  # s
+# What a shell starts in the background, a test run too, ignores SIGINT; a demo in front does not.
+COMMAND = """
+import signal
+signal.signal(signal.SIGINT, signal.default_int_handler)
+from microgripper_control.cli.main import main
+main()
+"""
+PATIENCE = 280.0  # s: less than a test may take in all
 
 pytestmark = pytest.mark.ros
 
+Start = Callable[[Path], subprocess.Popen[str]]
 
-def start(out: Path) -> subprocess.Popen[str]:
-    return subprocess.Popen(
-        [sys.executable, "-c", COMMAND, "demo", "--out", str(out)],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
+
+@pytest.fixture
+def start() -> Iterator[Start]:
+    """`start(out)` starts a demo, which does not outlive the test."""
+    running: list[subprocess.Popen[str]] = []
+
+    def start(out: Path) -> subprocess.Popen[str]:
+        running.append(
+            subprocess.Popen(
+                [sys.executable, "-c", COMMAND, "demo", "--out", str(out)],
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                text=True,
+            )
+        )
+        return running[-1]
+
+    yield start
+    for process in running:
+        if process.poll() is None:
+            process.terminate()
+            process.communicate(timeout=PATIENCE)
 
 
 def nodes_logging_to(out: Path) -> list[int]:
@@ -48,7 +71,9 @@ def gain(model: Model) -> float:
     return model.value("bouc_wen", "d") * static_gain(model.values("second_order"))
 
 
-def test_the_demo_identifies_its_rig_and_leaves_nothing_running(tmp_path: Path) -> None:
+def test_the_demo_identifies_its_rig_and_leaves_nothing_running(
+    start: Start, tmp_path: Path
+) -> None:
     out = tmp_path / "demo"
     process = start(out)
     printed, complaints = process.communicate(timeout=PATIENCE)
@@ -61,11 +86,16 @@ def test_the_demo_identifies_its_rig_and_leaves_nothing_running(tmp_path: Path) 
     truth, found = true_model(), load_model(out / "fitted.yaml")
     assert gain(found) == pytest.approx(gain(truth), 2.5e-3)  # k and k_s apart cannot be seen
     for name in ("alpha", "beta", "gamma"):
-        assert found.value("bouc_wen", name) == pytest.approx(truth.value("bouc_wen", name), 2.5e-3)
+        identified, true = found.settings["bouc_wen"][name], truth.value("bouc_wen", name)
+        assert identified.interval is not None
+        low, high = identified.interval
+        # Twice the interval is wider only where the machine missed a good part of the samples.
+        tolerance = max(2.5e-3 * abs(true), high - low)
+        assert identified.value == pytest.approx(true, abs=tolerance)
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_demo_that_is_stopped_stops_its_nodes(tmp_path: Path, number: int) -> None:
+def test_a_demo_that_is_stopped_stops_its_nodes(start: Start, tmp_path: Path, number: int) -> None:
     out = tmp_path / "demo"
     process = start(out)
     deadline = time.monotonic() + PATIENCE

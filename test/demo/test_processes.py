@@ -27,8 +27,12 @@ def test_an_interrupt_while_a_process_starts_still_ends_it(
         return node
 
     monkeypatch.setattr(processes, "Node", interrupted)
-    with pytest.raises(KeyboardInterrupt), Nodes(tmp_path) as nodes:
-        nodes.start("recorder", out=tmp_path / "bag")
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt), Nodes(tmp_path) as nodes:
+            nodes.start("recorder", out=tmp_path / "bag")
+    finally:
+        signal.signal(signal.SIGINT, before)
     assert [node.status is not None for node in started] == [True]
 
 

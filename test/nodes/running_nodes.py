@@ -21,7 +21,7 @@ from rclpy.qos import QoSProfile
 import microgripper_control
 
 ROOT = Path(microgripper_control.__file__).parents[1]
-PATIENCE = 60.0  # s, for anything; only a failing test ever waits so long
+PATIENCE = 120.0  # s, for anything; only a failing test ever waits so long
 
 
 class Running:

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from rcl_interfaces.srv import GetParameters
-from running_nodes import Start, Watcher
+from running_nodes import PATIENCE, Start, Watcher
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.plant.model import nominal_model
@@ -30,7 +30,13 @@ def test_it_finds_the_model_and_hands_it_to_the_controller(
     write_bag(tmp_path / "bag", Recording("made", 1e-3, voltage, displacement))
 
     controller = start("controller")
-    identifier = start("identifier", recordings=["bag"], out="found.yaml", controller="controller")
+    identifier = start(
+        "identifier",
+        recordings=["bag"],
+        out="found.yaml",
+        controller="controller",
+        timeout=PATIENCE,
+    )
     assert identifier.ended() == 0
     found = load_model(tmp_path / "found.yaml")
     for key, value in TRUTH.items():

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from running_nodes import Start
+from running_nodes import PATIENCE, Start
 
 from microgripper_control.control.setpoints import Sine
 from microgripper_control.core.recording import Recording
@@ -24,9 +24,10 @@ def experiment(
 ) -> Recording:
     """Record a run from its first sample to its last."""
     recorder = start("recorder", out=str(out))
-    controller = start("controller", lockstep=True, partners=["plant_simulator", "recorder"])
+    lockstep = {"lockstep": True, "lockstep_timeout": PATIENCE}
+    controller = start("controller", partners=["plant_simulator", "recorder"], **lockstep)
     partners = ["controller", "reference", "recorder"]
-    simulator = start("plant_simulator", lockstep=True, partners=partners, duration=length, **plant)
+    simulator = start("plant_simulator", partners=partners, duration=length, **lockstep, **plant)
     if reference_last:
         controller.until_it_says("waiting for a publisher of setpoints")
     reference = start(

@@ -149,7 +149,7 @@ def test_lockstep_tells_the_time_and_waits_for_each_answer(start: Start, watcher
 def test_a_missing_answer_ends_the_run_with_an_error(start: Start, watcher: Watcher) -> None:
     samples = watcher.messages(JointState, "joint_states")
     commands = watcher.node.create_publisher(Float64, "voltage_command", 10)
-    plant = start("plant_simulator", lockstep=True, partners=["watcher"], lockstep_timeout=0.5)
+    plant = start("plant_simulator", lockstep=True, partners=["watcher"], lockstep_timeout=5)
     watcher.until(lambda: len(samples) == 1, "sample 0")
     commands.publish(Float64(data=1.0))
     watcher.until(lambda: len(samples) == 2, "sample 1")

@@ -6,12 +6,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rclpy.duration import Duration
+from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
-from running_nodes import Start, Watcher
+from running_nodes import PATIENCE, Start, Watcher
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, String
 
+from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.recordings.bag import Bag
 from microgripper_control.recordings.read import read_recording
 
@@ -36,6 +39,21 @@ def publish_at_1_khz(watcher: Watcher) -> None:
         setpoints.publish(Float64(data=float(tick)))
         commands.publish(Float64(data=float(-tick)))
         time.sleep(max(0.0, begin + 1e-3 * (tick + 1) - time.monotonic()))
+    for publisher in (states, setpoints, commands):
+        delivered(publisher)
+
+
+def delivered(publisher: Publisher) -> None:
+    """Wait until the recorder has got everything."""
+    assert publisher.wait_for_all_acked(Duration(seconds=PATIENCE))
+
+
+def samples_in(bag: Path) -> int:
+    """How many samples are in a bag so far."""
+    try:
+        return len(read_recording(bag))
+    except MicrogripperError:
+        return 0
 
 
 @pytest.mark.parametrize(
@@ -66,9 +84,7 @@ def test_what_was_flushed_survives_the_death_of_the_recorder(
 ) -> None:
     recorder = start("recorder", out="bag")
     publish_at_1_khz(watcher)
-    # The last half second may be lost; wait it out by the health report that follows.
-    time_of_last = time.monotonic()
-    watcher.until(lambda: time.monotonic() > time_of_last + 1.0, "the last flush")
+    watcher.until(lambda: samples_in(tmp_path / "bag") == COUNT, "the last flush")
     recorder.process.kill()
     recorder.process.wait()
     run = read_recording(tmp_path / "bag")
@@ -88,6 +104,7 @@ def test_other_topics_and_other_qualities(start: Start, watcher: Watcher, tmp_pa
         state.header.stamp.nanosec = tick * 1_000_000
         states.publish(state)
     texts.publish(String(data="begun"))
+    delivered(texts)
     assert recorder.stop() == 0
     np.testing.assert_array_equal(read_recording(tmp_path / "bag").voltage, np.arange(20.0))
     with Bag(tmp_path / "bag") as bag:
