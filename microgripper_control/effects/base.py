@@ -69,6 +69,57 @@ def no_courses(values: Values, time: Array) -> Array:
     return np.zeros((0, len(time)))
 
 
+# observed(values, weights, time): what the weights that one recording gave the courses say about
+# parameters that are not fitted: how strong a hum was, how far it drifted. For the live simulation.
+Observed = Callable[[Values, Array, Array], Values]
+
+
+def nothing_observed(values: Values, weights: Array, time: Array) -> Values:
+    """A link whose courses say nothing about its parameters."""
+    return {}
+
+
+@dataclass(frozen=True)
+class Scales:
+    """The sizes of a rig at work, read off its recordings: what first guesses are measured by.
+
+    Positions are those of the nominal plant, without the recording's zero.
+    """
+
+    sample_period: float  # s
+    duration: float  # s, of the longest recording
+    voltage: tuple[float, float]  # V, lowest and highest
+    rate: float  # V/s, fastest change from sample to sample
+    position: tuple[float, float]  # m, lowest and highest
+    stiffness: float  # N/m, k + k_s
+    resolution: float = 0.0  # m, of the grid that all readings lie on; 0 if on none
+
+    @property
+    def swing(self) -> float:
+        """V between the lowest and the highest voltage."""
+        return self.voltage[1] - self.voltage[0]
+
+    @property
+    def stroke(self) -> float:
+        """m between the lowest and the highest position."""
+        return self.position[1] - self.position[0]
+
+
+# starts(scales): points from which a fit of the link is tried, as values by name; parameters left
+# out are nominal. A diagnosis tries the links that have some.
+Starts = Callable[[Scales], Sequence[Values]]
+
+
+def no_starts(scales: Scales) -> Sequence[Values]:
+    """A link that explains nothing by itself."""
+    return ()
+
+
+# says(values, scales): what a technician sees of the effect, a clause in small letters with numbers
+# in practical units. Of a link whose size belongs to each recording, the size is left out.
+Says = Callable[[Values, Scales], str]
+
+
 def no_part_of_its_own(values: Values, timing: Timing, levels: Array) -> Prepared:
     """A force has no place on the bus: it acts inside the mechanics' solve."""
     return Prepared(np.zeros((1, 0)), np.zeros(0), timing.ramped)
@@ -141,6 +192,9 @@ class Link:
     breaks: Instants = no_instants
     settling: Instants = no_instants
     courses: Courses = no_courses
+    observed: Observed = nothing_observed
+    starts: Starts = no_starts
+    says: Says | None = None  # the title does without
     nominal: bool = False  # part of the paper's plant, always there
     follows: bool = False  # the course between the samples matters to it
     sampled: bool = False  # acts on the samples, not on the signal between them

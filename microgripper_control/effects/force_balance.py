@@ -2,22 +2,24 @@
 
     m x'' + b x' + (k + k_s) x = k w + F(x, x', path)
 
-The left side and w are taken exactly, as without forces. F runs over a step along the parabola
-through its values at the beginning, in the middle and at the end. The value at the end is the root
-of one equation, F = law(x(F), x'(F)), found by secants inside a bracket; for a force that restores
-or brakes it has one root. The middle value is the law's on the way so found, and enters by one
-deferred correction. So the step is implicit where it must be (a stiff contact does not chatter) and
-its error falls with the fourth power of its length. Where a step is long against the period of the
-mass, which has come to rest by its end, F runs straight and only its end value counts.
+The left side and w are taken exactly, as without forces. Over a step that is short against the
+period, F runs along the parabola through its values at the beginning, in the middle and at the end.
+The laws are asked twice, at places that the last step's parabola foretells: such a parabola's value
+at the end hardly moves x, so that nothing is left to solve. The error falls with the fourth power
+of the step. Where a step is long against the period of the mass, which has come to rest by its end,
+F runs straight and only its end value counts. It is the root of one equation, F = law(x(F), x'(F)),
+found by secants inside a bracket; for a force that restores or brakes it has one root, and a stiff
+contact does not chatter.
 
-Where the mass turns within a step, the way is split there for the laws that follow its path.
-Sources: exponential steps, Hochbruck and Ostermann 2010; Lobatto nodes, Hairer, Norsett, Wanner
-1993, section II.7; deferred correction, Dutt, Greengard, Rokhlin 2000.
+Where the mass turns within a step, the way is split there for the laws that follow its path. They
+go on from where they were asked last, which is a little beside the mass.
+Sources: exponential steps, Hochbruck and Ostermann 2010; Lobatto nodes and extrapolated starting
+values, Hairer, Norsett, Wanner 1993, sections II.7 and II.14.
 """
 
 import math
 
-from microgripper_control.core.compiled import call_at, compiled
+from microgripper_control.core.compiled import call_at, compiled, inlined
 from microgripper_control.core.signals import FREE, POSITION, Array
 
 # Coefficients: one row that says how many laws there are and how many numbers they carry, one row a
@@ -25,14 +27,15 @@ from microgripper_control.core.signals import FREE, POSITION, Array
 DURATION = 0  # s
 MIDDLE, END = 1, 2  # the share of the change of w within the step of the bus that is done by then
 LAST = 3  # 1 if it ends the step of the bus
-SHORT = 4  # 1 if it is short against the period
-TO_END, TO_MIDDLE = 5, 17  # how (x, v, w before, w after, F before, F after) give x, then v
-BULGE = 29  # what a parabola of height one on the straight course of F adds to x, v
-COLUMNS = 31
+SHORT = 4  # if it is short against the period one over its duration, 1 / s, else 0
+TO_MIDDLE, TO_END = 5, 19  # how (x, v, w before, w after, F before, in the middle, after) give x
+V_TABLE = 7  # numbers on, how they give v
+COLUMNS = 33
 
-# State: x, v, w, F, then what the laws carry at the beginning, in the middle and at the end.
-X, V, W, F, CARRIED = 0, 1, 2, 3, 4
-AT_BEGIN, AT_MIDDLE, AT_END = 0, 1, 2
+# State: x, v, w, F, how fast F changes, N/s, where the laws were asked last, m, then what they
+# carry from there, and room for what they would carry from elsewhere.
+X, V, W, F, TREND, ASKED, CARRIED = 0, 1, 2, 3, 4, 5, 6
+NOW, TRIED = 0, 1
 
 Pair = tuple[float, float]  # of x, m, and v, m/s, or what goes into them per N
 
@@ -41,14 +44,11 @@ CLOSE = 1e-8  # of the way: how far off an error of the force may put the mass
 ROUNDING = 1e-15  # of the position
 
 
-@compiled
-def _push(
-    c: Array, s: Array, before: int, after: int, x0: float, x1: float, v: float, step: float
-) -> float:
+@inlined
+def _push(c: Array, s: Array, after: int, x0: float, x1: float, v: float, step: float) -> float:
     """Sum of the laws for a way in one direction."""
-    carried = int(c[0, 1])
-    source = s.ctypes.data + 8 * (CARRIED + before * carried)
-    target = s.ctypes.data + 8 * (CARRIED + after * carried)
+    source = s.ctypes.data + 8 * CARRIED
+    target = source + 8 * after * int(c[0, 1])
     total = 0.0
     for i in range(1, 1 + int(c[0, 0])):
         law = c.ctypes.data + 8 * (i * COLUMNS + 2)
@@ -58,57 +58,52 @@ def _push(
     return total
 
 
-@compiled
-def _turn(way: float, v0: float, v1: float) -> float:
-    """When v passes zero, as a share of the step, on the cubic course with these ends.
+@inlined
+def _turn(begin: Pair, end: Pair, step: float) -> Pair:
+    """When, as a share of the step, and where, m, v passes zero on the cubic course of x.
 
-    `way` is the mean speed; `v0` and `v1` have opposite signs, so there is one such instant.
+    The speeds at its ends have opposite signs, so it does so once: where a straight course of v
+    does, and a Newton step from there.
     """
-    b = 6.0 * way - 4.0 * v0 - 2.0 * v1
-    a = 3.0 * (v0 + v1 - 2.0 * way)
-    q = -0.5 * (b + math.copysign(math.sqrt(max(0.0, b * b - 4.0 * a * v0)), b))
-    early = v0 / q
-    return early if 0.0 <= early <= 1.0 else q / a
+    v0, v1 = step * begin[1], step * end[1]
+    per = 1.0 / (v0 - v1)
+    at = v0 * per
+    bend = end[0] - begin[0] - 0.5 * (v0 + v1)
+    v = 6.0 * bend * at * (1.0 - at)
+    x = begin[0] + at * (0.5 * v0 + bend * at * (3.0 - 2.0 * at))
+    return at + v * per, x + 0.5 * v * v * per
 
 
-@compiled
-def _move(
-    c: Array, s: Array, before: int, after: int, begin: Pair, end: Pair, step: float, short: bool
-) -> float:
-    """Force at the end of a way from x, v to x, v that may turn once."""
-    x0, v0 = begin
-    x1, v1 = end
-    if short and v0 * v1 < 0.0:
-        way = (x1 - x0) / step
-        at = _turn(way, v0, v1)
-        b, a = 3.0 * way - 2.0 * v0 - v1, v0 + v1 - 2.0 * way
-        turn = x0 + step * at * (v0 + at * (b + at * a))
-        _push(c, s, before, after, x0, turn, 0.0, step * at)
-        return _push(c, s, after, after, turn, x1, v1, step * (1.0 - at))
-    return _push(c, s, before, after, x0, x1, v1, step)
+@inlined
+def _move(c: Array, s: Array, asked: float, begin: Pair, end: Pair, step: float) -> float:
+    """Force at the end of a way that may turn once."""
+    if begin[1] * end[1] < 0.0:
+        at, turn = _turn(begin, end, step)
+        _push(c, s, NOW, asked, turn, 0.0, step * at)
+        return _push(c, s, NOW, turn, end[0], end[1], step * (1.0 - at))
+    return _push(c, s, NOW, asked, end[0], end[1], step)
 
 
 @compiled
 def _balance(
     c: Array,
     s: Array,
-    before: int,
-    begin: Pair,
+    begin: float,
+    asked: float,
     free: Pair,
     gain: Pair,
     step: float,
-    short: bool,
     guess: float,
 ) -> float:
-    """The F for which the laws, at free + gain F, give F."""
+    """The F for which the laws, at free + gain F, give F; `begin` is where x was at the sample."""
     low, high = -math.inf, math.inf
     f, last, last_excess = guess, 0.0, 0.0
     law = f
     for trial in range(MOST_TRIALS):
         x = free[0] + gain[0] * f
-        law = _move(c, s, before, AT_END, begin, (x, free[1] + gain[1] * f), step, short)
+        law = _push(c, s, TRIED, asked, x, free[1] + gain[1] * f, step)
         excess = f - law
-        if not abs(gain[0] * excess) > max(CLOSE * abs(x - begin[0]), ROUNDING * abs(x)):
+        if not abs(gain[0] * excess) > max(CLOSE * abs(x - begin), ROUNDING * abs(x)):
             break  # also where it is not a number
         if excess > 0.0:
             high = f
@@ -120,50 +115,69 @@ def _balance(
         if not low < new < high:
             new = 0.5 * (low + high) if high - low < math.inf else f - 2.0 * excess
         last, last_excess, f = f, excess, new
+    carried = int(c[0, 1])
+    for n in range(CARRIED, CARRIED + carried):
+        s[n] = s[n + TRIED * carried]
     return law
 
 
-@compiled
-def _carry(table: Array, x: float, v: float, w0: float, w1: float, f: float) -> Pair:
-    """Where the table of a substep takes x and v while F runs straight from f to zero."""
+@inlined
+def _carry(c: Array, i: int, to: int, begin: Pair, w0: float, w1: float, f: float) -> Pair:
+    """Where a table of row i takes x and v if F were zero but at the beginning."""
+    x, v = begin
+    k = to + V_TABLE
     return (
-        table[0] * x + table[1] * v + table[2] * w0 + table[3] * w1 + table[4] * f,
-        table[6] * x + table[7] * v + table[8] * w0 + table[9] * w1 + table[10] * f,
+        c[i, to + 2] * w0
+        + c[i, to + 3] * w1
+        + (c[i, to] * x + c[i, to + 1] * v)
+        + c[i, to + 4] * f,
+        c[i, k + 2] * w0 + c[i, k + 3] * w1 + (c[i, k] * x + c[i, k + 1] * v) + c[i, k + 4] * f,
     )
+
+
+@inlined
+def _gain(c: Array, i: int, column: int) -> Pair:
+    return c[i, column], c[i, column + V_TABLE]
+
+
+@inlined
+def _add(free: Pair, gain: Pair, f: float) -> Pair:
+    return free[0] + gain[0] * f, free[1] + gain[1] * f
 
 
 @compiled
 def kernel(coefficients: Array, state: Array, bus: Array) -> None:
     """As `effects.base.Kernel`; the rows of both arrays are told above."""
     c, s = coefficients, state
-    first, carried = 1 + int(c[0, 0]), int(c[0, 1])
-    x, v, w, f = s[X], s[V], s[W], s[F]
+    first = 1 + int(c[0, 0])
+    x, v, w, f, trend, asked = s[X], s[V], s[W], s[F], s[TREND], s[ASKED]
     i = first
     for j in range(bus.shape[1]):
-        rise, old = bus[FREE, j] - w, w
+        rise, old, begin = bus[FREE, j] - w, w, x
         while True:
-            r = c[i]
-            step, new, short = r[DURATION], w + r[END] * rise, r[SHORT] > 0.0
-            free, gain = _carry(r[TO_END:], x, v, old, new, f), (r[TO_END + 5], r[TO_END + 11])
-            if short:
-                g = f
-                for _ in range(2):  # near enough to find the middle value
-                    end = (free[0] + gain[0] * g, free[1] + gain[1] * g)
-                    g = _move(c, s, AT_BEGIN, AT_END, (x, v), end, step, True)
-                mean = 0.5 * (f + g)
-                xm, vm = _carry(r[TO_MIDDLE:], x, v, old, w + r[MIDDLE] * rise, f)
-                half = (xm + r[TO_MIDDLE + 5] * mean, vm + r[TO_MIDDLE + 11] * mean)
-                bulge = _move(c, s, AT_BEGIN, AT_MIDDLE, (x, v), half, 0.5 * step, True) - mean
-                free = (free[0] + r[BULGE] * bulge, free[1] + r[BULGE + 1] * bulge)
-                f = _balance(c, s, AT_MIDDLE, half, free, gain, 0.5 * step, True, g)
+            step, new = c[i, DURATION], w + c[i, END] * rise
+            often = c[i, SHORT]
+            free, gain = _carry(c, i, TO_END, (x, v), old, new, f), _gain(c, i, TO_END + 6)
+            if often > 0.0:
+                half, wm = 0.5 * step, w + c[i, MIDDLE] * rise
+                middle = _carry(c, i, TO_MIDDLE, (x, v), old, wm, f)
+                middle = _add(middle, _gain(c, i, TO_MIDDLE + 6), f + half * trend)
+                fm = _move(c, s, asked, (x, v), middle, half)
+                free = _add(free, _gain(c, i, TO_END + 5), fm)
+                end = _add(free, gain, 4.0 * fm - (3.0 * f + step * trend))
+                fe = _move(c, s, middle[0], middle, end, half)
+                trend, asked = (3.0 * fe + (f - 4.0 * fm)) * often, end[0]
+                f = fe
+                x, v = _add(free, gain, f)
             else:
-                f = _balance(c, s, AT_BEGIN, (x, v), free, gain, step, False, f)
-            x, v, old = free[0] + gain[0] * f, free[1] + gain[1] * f, new
-            for n in range(CARRIED, CARRIED + carried):
-                s[n] = s[n + AT_END * carried]
+                f = _balance(c, s, begin, asked, free, gain, step, f)
+                x, v = _add(free, gain, f)
+                trend, asked = 0.0, x
+            old = new
+            ends = c[i, LAST] > 0.0
             i = i + 1 if i + 1 < len(c) else first
-            if r[LAST] > 0.0:
+            if ends:
                 break
         w = bus[FREE, j]
         bus[POSITION, j] = x
-    s[X], s[V], s[W], s[F] = x, v, w, f
+    s[X], s[V], s[W], s[F], s[TREND], s[ASKED] = x, v, w, f, trend, asked

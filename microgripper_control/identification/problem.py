@@ -127,22 +127,39 @@ class Problem:
 
     def jacobian(self, z: Array) -> Array:
         """Derivative of the residuals by z, shape (samples, len(z)), by forward differences."""
+        return self.columns(z, range(len(z)))
+
+    def columns(self, z: Array, wanted: Sequence[int]) -> Array:
+        """The columns `wanted` of the Jacobian, shape (samples, len(wanted))."""
         base = self.residuals(z)
         _, high = self.bounds
-        columns = np.zeros((len(base), len(z)), order="F")
-        for index in range(len(self.free)):
+        columns = np.zeros((len(base), len(wanted)), order="F")
+        for column, index in enumerate(wanted):
+            if index >= len(self.free):
+                self._by_hysteresis(z, index - len(self.free), base, columns[:, column])
+                continue
             shifted = z.copy()
             step = DIFFERENCE if z[index] + DIFFERENCE <= high[index] else -DIFFERENCE
             shifted[index] += step
-            columns[:, index] = (self.residuals(shifted) - base) / step
-        model, initial = self.model_at(z), self.initial_hysteresis(z)
-        start = 0
-        for index, scale in enumerate(self.hysteresis_scales):
-            moved = self._residual(model, index, initial[index] + DIFFERENCE * scale)
-            part = slice(start, start + len(moved))
-            columns[part, len(self.free) + index] = (moved - base[part]) / DIFFERENCE
-            start = part.stop
+            columns[:, column] = (self.residuals(shifted) - base) / step
         return columns
+
+    def projected(self, z: Array, columns: Array) -> Array:
+        """Columns of shape (samples, p) without what the courses at a point could explain."""
+        model, start, parts = self.model_at(z), 0, []
+        for index, mask in enumerate(self.masks):
+            part = slice(start, start + int(np.count_nonzero(mask)))
+            parts.append(self._projection(model, index)(columns[part]))
+            start = part.stop
+        return np.concatenate(parts)
+
+    def _by_hysteresis(self, z: Array, index: int, base: Array, column: Array) -> None:
+        """Fill in the derivative by the initial h of one recording, which only it feels."""
+        start = sum(int(np.count_nonzero(mask)) for mask in self.masks[:index])
+        h = self.initial_hysteresis(z)[index] + DIFFERENCE * float(self.hysteresis_scales[index])
+        moved = self._residual(self.model_at(z), index, h)
+        part = slice(start, start + len(moved))
+        column[part] = (moved - base[part]) / DIFFERENCE
 
     def _error(self, model: Model, index: int, h: float) -> Array:
         recording = self.recordings[index]

@@ -15,17 +15,20 @@ that costs is about 1 % of what the lag does to the displacement.
 """
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from microgripper_control.core.compiled import compiled
 from microgripper_control.core.lag import advance_lag, lag_rows
 from microgripper_control.core.parameters import Parameter
+from microgripper_control.core.quantities import quantity
 from microgripper_control.core.signals import VOLTAGE, Array, Timing
-from microgripper_control.effects.base import Link, Prepared, Stage, Values
+from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
 
 PIECES = 12  # of exp(-t/T), chords of equal error 1 / (2 PIECES^2); then the last of it, to zero
 BENDS = (*(-2.0 * math.log1p(-i / PIECES) for i in range(1, PIECES)), 7.0, 11.0, 36.0)
+FIRST_ORDER = 0.02  # of the curvature: what is below counts as first order
 
 
 def breaks(values: Values, sample_period: float) -> set[float]:
@@ -55,6 +58,17 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     return Prepared(rows, np.array([levels[VOLTAGE], 0.0, levels[VOLTAGE]]), ramped=True)
 
 
+def starts(scales: Scales) -> Sequence[Values]:
+    """From a lag that just shows to a slow amplifier."""
+    return [{"lag": samples * scales.sample_period} for samples in (0.5, 1.5, 5.0, 15.0, 50.0)]
+
+
+def says(values: Values, scales: Scales) -> str:
+    order = "first" if values["curvature"] < FIRST_ORDER else "second"
+    late = quantity(values["lag"], "s")
+    return f"the amplifier lags: it follows a ramp of the voltage {late} late ({order} order)"
+
+
 LINK = Link(
     name="amplifier_lag",
     stage=Stage.DRIVE,
@@ -68,4 +82,6 @@ LINK = Link(
     prepare=prepare,
     kernel=kernel,
     breaks=breaks,
+    starts=starts,
+    says=says,
 )

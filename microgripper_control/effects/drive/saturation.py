@@ -8,15 +8,18 @@ The link stands before slew limit and lag, which act on what the output stage is
 """
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from microgripper_control.core.compiled import compiled
 from microgripper_control.core.parameters import Parameter
+from microgripper_control.core.quantities import quantity
 from microgripper_control.core.signals import VOLTAGE, Array, Timing
-from microgripper_control.effects.base import Link, Prepared, Stage, Values
+from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
 
 OUT_OF_REACH = 1e4  # V
+SOFT = 0.02  # of the swing: softer bends are called so
 
 
 @compiled
@@ -47,6 +50,29 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     return Prepared(np.array([row]), np.zeros(0), timing.ramped)
 
 
+def starts(scales: Scales) -> Sequence[Values]:
+    """Each end of the range cut, a little and much, hard and soft."""
+    low, swing = scales.voltage[0], scales.swing
+    return [
+        {end: low + swing * (1.0 - cut if end == "high" else cut), "softness": soft * swing}
+        | {other: way * OUT_OF_REACH}
+        for end, other, way in (("high", "low", -1.0), ("low", "high", 1.0))
+        for cut in (0.0, 0.05, 0.15, 0.35)
+        for soft in (0.01, 0.05)
+    ]
+
+
+def says(values: Values, scales: Scales) -> str:
+    bends = 3.0 * values["softness"]
+    ends = []
+    if values["high"] < scales.voltage[1] + bends:
+        ends.append(f"above {quantity(values['high'], 'V', 3)}")
+    if values["low"] > scales.voltage[0] - bends:
+        ends.append(f"below {quantity(values['low'], 'V', 3)}")
+    soft = "softly " if values["softness"] > SOFT * scales.swing else ""
+    return f"the amplifier saturates {soft}{' and '.join(ends) or 'just beyond the range in use'}"
+
+
 LINK = Link(
     name="saturation",
     stage=Stage.DRIVE,
@@ -60,4 +86,6 @@ LINK = Link(
     ),
     prepare=prepare,
     kernel=kernel,
+    starts=starts,
+    says=says,
 )

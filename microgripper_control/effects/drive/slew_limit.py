@@ -12,13 +12,15 @@ corner sharp at any slew rate, down to where the effect vanishes.
 """
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from microgripper_control.core.compiled import compiled
 from microgripper_control.core.parameters import Parameter
+from microgripper_control.core.quantities import number
 from microgripper_control.core.signals import VOLTAGE, Array, Timing
-from microgripper_control.effects.base import Link, Prepared, Stage, Values
+from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
 
 JUMPS = (0.5, 256.0)  # V: of what sizes the end of the ramp is drawn well at any slew rate
 GROWTH = 2.0**0.5  # from boundary to boundary after a jump,
@@ -71,6 +73,23 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     return Prepared(np.array(rows), np.full(2, levels[VOLTAGE]), ramped=True)
 
 
+def starts(scales: Scales) -> Sequence[Values]:
+    """Limits from just below the fastest change on record to a fraction of it, one way or both."""
+    times = [1.0 / (share * scales.rate) for share in (0.95, 0.8, 0.65, 0.5, 0.3, 0.1, 0.03)]
+    both = [{"rise": time, "fall": time} for time in times]
+    return [
+        *both,
+        *({"rise": 0.0, "fall": t} for t in times),
+        *({"rise": t, "fall": 0.0} for t in times),
+    ]
+
+
+def says(values: Values, scales: Scales) -> str:
+    ways = {"rises": values["rise"], "falls": values["fall"]}
+    limits = [f"{way} by {number(1.0 / t)} V/s at most" for way, t in ways.items() if t > 0.0]
+    return f"the amplifier is short of current: the voltage {' and '.join(limits)}"
+
+
 LINK = Link(
     name="slew_limit",
     stage=Stage.DRIVE,
@@ -84,4 +103,6 @@ LINK = Link(
     prepare=prepare,
     kernel=kernel,
     breaks=breaks,
+    starts=starts,
+    says=says,
 )

@@ -9,13 +9,15 @@ is read off between its corners.
 """
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from microgripper_control.core.compiled import compiled
 from microgripper_control.core.parameters import Parameter
+from microgripper_control.core.quantities import quantity
 from microgripper_control.core.signals import VOLTAGE, Array, Timing
-from microgripper_control.effects.base import Link, Prepared, Stage, Values
+from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
 
 SAME_INSTANT = 1e-9  # of a sample period: boundaries closer than this are one
 
@@ -66,6 +68,15 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     return Prepared(np.array(rows), state, timing.ramped)
 
 
+def starts(scales: Scales) -> Sequence[Values]:
+    """The middle of whole samples: under a zero-order hold a fast plant tells no parts of them."""
+    return [{"delay": (n + 0.5) * scales.sample_period} for n in (*range(8), 10, 13, 17, 22, 30)]
+
+
+def says(values: Values, scales: Scales) -> str:
+    return f"the rig answers late: there is a delay of {quantity(values['delay'], 's')}"
+
+
 LINK = Link(
     name="transport_delay",
     stage=Stage.DRIVE,
@@ -78,4 +89,6 @@ LINK = Link(
     prepare=prepare,
     kernel=kernel,
     jumps=jumps,
+    starts=starts,
+    says=says,
 )

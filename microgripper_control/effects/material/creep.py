@@ -8,12 +8,16 @@ to 1 % of that; drawn together, the two leave a single time constant. Elements a
 w held over an internal step or running straight through it. At rest creep is complete.
 """
 
+import math
+from collections.abc import Sequence
+
 import numpy as np
 
 from microgripper_control.core.compiled import compiled
 from microgripper_control.core.parameters import Parameter
+from microgripper_control.core.quantities import percent, quantity
 from microgripper_control.core.signals import FREE, Array, Timing
-from microgripper_control.effects.base import Link, Prepared, Stage, Values
+from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
 
 ELEMENTS = 8
 
@@ -64,6 +68,24 @@ def courses(values: Values, time: Array) -> Array:
     return decays
 
 
+def starts(scales: Scales) -> Sequence[Values]:
+    """Creep over all times that the recording shows, over the short ones and over the long."""
+    shortest, longest = 3.0 * scales.sample_period, 3.0 * scales.duration
+    middle = math.sqrt(shortest * longest)
+    spans = ((shortest, longest), (shortest, middle), (middle, longest))
+    return [{"fastest": fastest, "slowest": slowest} for fastest, slowest in spans]
+
+
+def says(values: Values, scales: Scales) -> str:
+    strength, decades = values["strength"], abs(math.log10(values["slowest"] / values["fastest"]))
+    if decades < 1.0:
+        middle = math.sqrt(values["slowest"] * values["fastest"])
+        way = f"{percent(strength * decades)} of the step within some {quantity(middle, 's', 1)}"
+    else:
+        way = f"{percent(strength)} of the step per decade of time"
+    return f"the rig creeps: after a step it goes on moving by {way}"
+
+
 LINK = Link(
     name="creep",
     stage=Stage.MATERIAL,
@@ -78,4 +100,6 @@ LINK = Link(
     prepare=prepare,
     kernel=kernel,
     courses=courses,
+    starts=starts,
+    says=says,
 )

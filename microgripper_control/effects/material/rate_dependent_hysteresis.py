@@ -9,13 +9,15 @@ jump of a held voltage counts as its height, spread over `memory`.
 """
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from microgripper_control.core.compiled import compiled
 from microgripper_control.core.parameters import Parameter
+from microgripper_control.core.quantities import percent
 from microgripper_control.core.signals import FREE, HYSTERESIS, VOLTAGE, Array, Timing
-from microgripper_control.effects.base import Link, Prepared, Stage, Values
+from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
 
 
 @compiled
@@ -42,6 +44,21 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     return Prepared(rows, np.array([levels[VOLTAGE], 0.0]), timing.ramped)
 
 
+def starts(scales: Scales) -> Sequence[Values]:
+    """Memories from a few samples to the length of a recording."""
+    shortest = 3.0 * scales.sample_period
+    return [
+        {"strength": 0.05, "memory": min(100.0, memory)}
+        for memory in np.geomspace(shortest, max(scales.duration, 2.0 * shortest), 5)
+    ]
+
+
+def says(values: Values, scales: Scales) -> str:
+    way = "widens" if values["strength"] >= 0.0 else "narrows"
+    share = percent(abs(values["strength"]))
+    return f"the hysteresis depends on the rate: the loop {way} by {share} per decade of rate"
+
+
 LINK = Link(
     name="rate_dependent_hysteresis",
     stage=Stage.MATERIAL,
@@ -55,4 +72,6 @@ LINK = Link(
     ),
     prepare=prepare,
     kernel=kernel,
+    starts=starts,
+    says=says,
 )

@@ -11,8 +11,9 @@ the depth: the force is continuous at the touch and never pulls.
 from collections.abc import Sequence
 
 from microgripper_control.core.parameters import Parameter
+from microgripper_control.core.quantities import number, quantity
 from microgripper_control.core.signals import Array
-from microgripper_control.effects.base import Force, Link, Stage, Values
+from microgripper_control.effects.base import Force, Link, Scales, Stage, Values
 
 REFERENCE = 1e-6  # m, r above
 
@@ -38,6 +39,28 @@ def stiffness(values: Values) -> float:
     return values["exponent"] * values["stiffness"]
 
 
+def starts(scales: Scales) -> Sequence[Values]:
+    """An object met in the upper or lower part of the stroke, as stiff as a tenth of the rig."""
+    return [
+        {
+            "position": scales.position[0] + share * scales.stroke,
+            "stiffness": 0.1 * scales.stiffness,
+            "exponent": exponent,
+            "side": side,
+        }
+        for side, shares in ((1.0, (0.2, 0.4, 0.6, 0.75, 0.9)), (-1.0, (0.1, 0.25, 0.4, 0.6)))
+        for share in shares
+        for exponent in (1.0, 1.5)
+    ]
+
+
+def says(values: Values, scales: Scales) -> str:
+    way = "beyond" if values["side"] >= 0.0 else "below"
+    where, push = quantity(values["position"], "m", 3), number(1e-6 * values["stiffness"])
+    depth = "for each µm" if values["exponent"] == 1.0 else "at 1 µm of depth"
+    return f"the finger meets something: {way} x = {where} it is pushed back, by {push} N {depth}"
+
+
 LINK = Link(
     name="contact",
     stage=Stage.MECHANICS,
@@ -52,4 +75,6 @@ LINK = Link(
         Parameter("damping", "s/m", 0.0, 0.0, 1e6, "share of force by speed", fitted=False),
         Parameter("side", "1", 1.0, -1.0, 1.0, "1 beyond, -1 below the position", fitted=False),
     ),
+    starts=starts,
+    says=says,
 )

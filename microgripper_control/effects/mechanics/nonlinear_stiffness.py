@@ -9,9 +9,12 @@ not symmetric about x = 0, the cubic one for stretching (positive, it stiffens) 
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from microgripper_control.core.parameters import Parameter
+from microgripper_control.core.quantities import percent
 from microgripper_control.core.signals import Array
-from microgripper_control.effects.base import Force, Link, Stage, Values
+from microgripper_control.effects.base import Force, Link, Scales, Stage, Values
 
 
 def law(
@@ -30,6 +33,24 @@ def stiffness(values: Values) -> float:
     return 0.0
 
 
+def starts(scales: Scales) -> Sequence[Values]:
+    """Each term by itself, a twentieth of the stiffness over the stroke."""
+    share = 0.05 * scales.stiffness
+    return [
+        {"quadratic": share / scales.stroke, "cubic": 0.0},
+        {"quadratic": 0.0, "cubic": share / scales.stroke**2},
+    ]
+
+
+def says(values: Values, scales: Scales) -> str:
+    x = np.linspace(*scales.position, 50)
+    change = (2.0 * values["quadratic"] + 3.0 * values["cubic"] * x) * x / scales.stiffness
+    change -= change[int(np.argmin(np.abs(x)))]
+    most = float(change[int(np.argmax(np.abs(change)))])
+    way = "stiffens" if most >= 0.0 else "softens"
+    return f"the flexure {way} by {percent(abs(most))} over the stroke"
+
+
 LINK = Link(
     name="nonlinear_stiffness",
     stage=Stage.MECHANICS,
@@ -41,4 +62,6 @@ LINK = Link(
         Parameter("quadratic", "N/m^2", 5e10, -1e20, 1e20, "of the restoring force in x^2", 0.0),
         Parameter("cubic", "N/m^3", 2.5e15, -1e26, 1e26, "of the restoring force in x^3", 0.0),
     ),
+    starts=starts,
+    says=says,
 )

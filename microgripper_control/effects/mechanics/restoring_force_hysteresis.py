@@ -10,8 +10,9 @@ benchmark is this with alpha 5e4 N/m, beta 800 /m, gamma -1100 /m, n 1.
 from collections.abc import Sequence
 
 from microgripper_control.core.parameters import Parameter
+from microgripper_control.core.quantities import percent, quantity
 from microgripper_control.core.signals import Array
-from microgripper_control.effects.base import Force, Link, Stage, Values
+from microgripper_control.effects.base import Force, Link, Scales, Stage, Values
 from microgripper_control.effects.material.bouc_wen import advance
 
 
@@ -33,6 +34,26 @@ def stiffness(values: Values) -> float:
 
 RATE_UNIT = "1/(m*N^(n-1))"
 
+
+def starts(scales: Scales) -> Sequence[Values]:
+    """A fiftieth of the stiffness, forgotten over more or less of the stroke, both ways."""
+    return [
+        {"alpha": 0.02 * scales.stiffness, "beta": beta, "gamma": share * beta}
+        for beta in (1.0 / scales.stroke, 4.0 / scales.stroke, 16.0 / scales.stroke)
+        for share in (-0.6, 0.0, 0.6)
+    ]
+
+
+def says(values: Values, scales: Scales) -> str:
+    decay = max(abs(values["beta"] + values["gamma"]), abs(values["beta"] - values["gamma"]))
+    share = percent(values["alpha"] / scales.stiffness)
+    text = f"the restoring force has hysteresis: after each reversal it is {share} stiffer"
+    if decay == 0.0 or values["alpha"] == 0.0:
+        return text
+    forgotten = (values["alpha"] / decay) ** (1.0 / values["n"]) / values["alpha"]
+    return f"{text}, until the finger has moved about {quantity(forgotten, 'm')}"
+
+
 LINK = Link(
     name="restoring_force_hysteresis",
     stage=Stage.MECHANICS,
@@ -46,4 +67,6 @@ LINK = Link(
         Parameter("gamma", RATE_UNIT, 2e4, -1e12, 1e12, "decay of z by direction"),
         Parameter("n", "1", 1.0, 1.0, 5.0, "sharpness of the bend", fitted=False),
     ),
+    starts=starts,
+    says=says,
 )

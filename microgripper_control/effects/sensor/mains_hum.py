@@ -8,13 +8,15 @@ a sine and a cosine of each harmonic; only the frequency belongs to the rig.
 """
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from microgripper_control.core.compiled import compiled
 from microgripper_control.core.parameters import Parameter
+from microgripper_control.core.quantities import quantity
 from microgripper_control.core.signals import POSITION, Array, Timing
-from microgripper_control.effects.base import Link, Prepared, Stage, Values
+from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
 
 AMPLITUDES = ("amplitude", "second", "third")  # of the harmonics 1, 2, 3
 
@@ -45,6 +47,22 @@ def courses(values: Values, time: Array) -> Array:
     return np.array([wave(n * angle) for n in harmonics for wave in (np.sin, np.cos)])
 
 
+def observed(values: Values, weights: Array, time: Array) -> Values:
+    """Amplitudes, and the phase of the fundamental, from the weights of sines and cosines."""
+    sines, cosines = weights[0::2], weights[1::2]
+    phase = {"phase": math.atan2(cosines[0], sines[0])}
+    return phase | dict(zip(AMPLITUDES, np.hypot(sines, cosines).tolist(), strict=True))
+
+
+def starts(scales: Scales) -> Sequence[Values]:
+    """The mains of Europe and of America, where the sampling shows them."""
+    return [{"frequency": line} for line in (50.0, 60.0) if line < 0.5 / scales.sample_period]
+
+
+def says(values: Values, scales: Scales) -> str:
+    return f"the mains hums in the reading, at {quantity(values['frequency'], 'Hz', 3)}"
+
+
 LINK = Link(
     name="mains_hum",
     stage=Stage.SENSOR,
@@ -63,4 +81,7 @@ LINK = Link(
     prepare=prepare,
     kernel=kernel,
     courses=courses,
+    observed=observed,
+    starts=starts,
+    says=says,
 )

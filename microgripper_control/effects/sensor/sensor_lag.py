@@ -7,15 +7,24 @@ the filter takes m as straight in the same way.
 """
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from microgripper_control.core.compiled import compiled
 from microgripper_control.core.parameters import Parameter
+from microgripper_control.core.quantities import quantity
 from microgripper_control.core.signals import POSITION, Array, Timing
-from microgripper_control.effects.base import Link, Prepared, Stage, Values
+from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
 
 HEAD = 5  # of the state, before the rings
+SHOWN = 0.05  # of the longer time: a shorter one is not spoken of
+
+
+@compiled
+def _back(at: int, places: int, size: int) -> int:
+    """The place so many before another in a ring; a remainder would take most of the time here."""
+    return at - places if at >= places else at - places + size
 
 
 @compiled
@@ -28,20 +37,23 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
     steps = coefficients.shape[0]
     size = (state.shape[0] - HEAD) // 2
     x, areas = state[HEAD : HEAD + size], state[HEAD + size :]
+    row = 0
     for j in range(bus.shape[1]):
-        c = coefficients[j % steps]
-        before, at = at, (at + 1) % size
+        c = coefficients[row]
+        row = row + 1 if row + 1 < steps else 0
+        before, at = at, at + 1 if at + 1 < size else 0
         x[at] = bus[POSITION, j]
         areas[at] = c[3] * (x[before] + x[at])
         area += areas[at]
         inside += 1
         while inside > c[0]:
             inside -= 1
-            area -= areas[(at - inside) % size]
+            area -= areas[_back(at, inside, size)]
         if inside == 0:
             area = 0.0  # and rounding starts afresh
         old = m
-        m = area + c[1] * x[(at - inside) % size] + c[2] * x[(at - inside - 1) % size]
+        oldest = _back(at, inside, size)
+        m = area + c[1] * x[oldest] + c[2] * x[_back(oldest, 1, size)]
         behind = c[5] * (m - old)
         y = m - behind + c[4] * (y - old + behind)
         bus[POSITION, j] = y
@@ -85,6 +97,29 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     return Prepared(np.array(rows), state, timing.ramped)
 
 
+def starts(scales: Scales) -> Sequence[Values]:
+    """Averaging alone and the filter alone, over few and over many samples."""
+    times = [samples * scales.sample_period for samples in (0.7, 2.0, 6.0, 20.0, 60.0)]
+    return [
+        values
+        for time in times
+        for values in (
+            {"averaging": time, "time_constant": 0.0},
+            {"averaging": 0.0, "time_constant": time},
+        )
+    ]
+
+
+def says(values: Values, scales: Scales) -> str:
+    parts = {
+        "averages over": values["averaging"],
+        "has a time constant of": values["time_constant"],
+    }
+    longest = max(parts.values())
+    shown = [f"{how} {quantity(s, 's')}" for how, s in parts.items() if s > SHOWN * longest]
+    return f"the sensor lags: it {' and '.join(shown)}"
+
+
 LINK = Link(
     name="sensor_lag",
     stage=Stage.SENSOR,
@@ -98,4 +133,6 @@ LINK = Link(
     prepare=prepare,
     kernel=kernel,
     follows=True,
+    starts=starts,
+    says=says,
 )

@@ -3,12 +3,15 @@
 y = resolution * round(x / resolution)
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from microgripper_control.core.compiled import compiled
 from microgripper_control.core.parameters import Parameter
+from microgripper_control.core.quantities import quantity
 from microgripper_control.core.signals import POSITION, Array, Timing
-from microgripper_control.effects.base import Link, Prepared, Stage, Values
+from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
 
 
 @compiled
@@ -21,6 +24,15 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
 def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     """No state."""
     return Prepared(np.array([[values["resolution"]]]), np.zeros(0), timing.ramped)
+
+
+def starts(scales: Scales) -> Sequence[Values]:
+    """The grid that the readings lie on, if they do."""
+    return [{"resolution": scales.resolution}] if scales.resolution > 0.0 else []
+
+
+def says(values: Values, scales: Scales) -> str:
+    return f"the sensor is coarse: it shows steps of {quantity(values['resolution'], 'm')}"
 
 
 LINK = Link(
@@ -37,4 +49,6 @@ LINK = Link(
     ),
     prepare=prepare,
     kernel=kernel,
+    starts=starts,
+    says=says,
 )

@@ -9,6 +9,7 @@ own: a natural cubic spline, as smooth as a sixth of the recording asks.
 """
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -16,7 +17,7 @@ from scipy.interpolate import CubicSpline
 from microgripper_control.core.compiled import compiled
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.signals import POSITION, Array, Timing
-from microgripper_control.effects.base import Link, Prepared, Stage, Values
+from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
 
 PIECES = 6  # of the spline; fewer miss a drift that turns back, more bend after noise and creep
 
@@ -46,6 +47,21 @@ def courses(values: Values, time: Array) -> Array:
     return shapes
 
 
+def observed(values: Values, weights: Array, time: Array) -> Values:
+    """One thermal mass as slow as the recording is long, which ends where the course did."""
+    amplitude = float(weights[-1]) / -math.expm1(-1.0)
+    return {"amplitude": amplitude, "time_constant": float(time[-1] - time[0])}
+
+
+def starts(scales: Scales) -> Sequence[Values]:
+    """One: the course is each recording's own."""
+    return [{}]
+
+
+def says(values: Values, scales: Scales) -> str:
+    return "the reading drifts slowly, whatever the voltage does"
+
+
 LINK = Link(
     name="thermal_drift",
     stage=Stage.SENSOR,
@@ -61,4 +77,7 @@ LINK = Link(
     prepare=prepare,
     kernel=kernel,
     courses=courses,
+    observed=observed,
+    starts=starts,
+    says=says,
 )

@@ -6,12 +6,15 @@ The finger rests until one flank of the gap reaches it, then moves with that fla
 operator, which depends on the course of x and not on its speed. It starts in the middle of the gap.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from microgripper_control.core.compiled import compiled
 from microgripper_control.core.parameters import Parameter
+from microgripper_control.core.quantities import quantity
 from microgripper_control.core.signals import POSITION, Array, Timing
-from microgripper_control.effects.base import Link, Prepared, Stage, Values
+from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
 
 
 @compiled
@@ -31,6 +34,15 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     return Prepared(np.array([[values["play"] / 2.0]]), np.array([levels[POSITION]]), timing.ramped)
 
 
+def starts(scales: Scales) -> Sequence[Values]:
+    """Small and large shares of the stroke."""
+    return [{"play": share * scales.stroke} for share in (0.002, 0.01, 0.04)]
+
+
+def says(values: Values, scales: Scales) -> str:
+    return f"there is play between actuator and finger: {quantity(values['play'], 'm')}"
+
+
 LINK = Link(
     name="backlash",
     stage=Stage.TRANSMISSION,
@@ -41,4 +53,6 @@ LINK = Link(
     prepare=prepare,
     kernel=kernel,
     follows=True,
+    starts=starts,
+    says=says,
 )

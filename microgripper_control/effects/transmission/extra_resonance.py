@@ -11,14 +11,16 @@ modes up to 0.8 of the sampling rate come out within 2 % of what they do to the 
 """
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from microgripper_control.core.compiled import compiled
 from microgripper_control.core.lag import advance_lag, lag_rows
 from microgripper_control.core.parameters import Parameter
+from microgripper_control.core.quantities import number, quantity
 from microgripper_control.core.signals import POSITION, Array, Timing
-from microgripper_control.effects.base import Link, Prepared, Stage, Values
+from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
 
 
 @compiled
@@ -44,6 +46,21 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     return Prepared(rows, state, timing.ramped)
 
 
+def starts(scales: Scales) -> Sequence[Values]:
+    """Modes all over the band that the samples show, well damped so that none is missed between."""
+    highest = 0.5 / scales.sample_period
+    lowest = max(1.0, 5.0 / scales.duration, 2e-3 * highest)
+    return [
+        {"share": 0.1, "frequency": frequency, "damping": 0.1}
+        for frequency in np.geomspace(lowest, highest, 20)
+    ]
+
+
+def says(values: Values, scales: Scales) -> str:
+    frequency, damping = quantity(values["frequency"], "Hz", 3), number(values["damping"])
+    return f"finger or mount rings at {frequency} (damping ratio {damping})"
+
+
 LINK = Link(
     name="extra_resonance",
     stage=Stage.TRANSMISSION,
@@ -58,4 +75,6 @@ LINK = Link(
     prepare=prepare,
     kernel=kernel,
     follows=True,
+    starts=starts,
+    says=says,
 )

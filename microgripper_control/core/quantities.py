@@ -1,0 +1,36 @@
+"""Numbers as people read them: few significant digits, in the unit that suits their size."""
+
+from __future__ import annotations
+
+import math
+
+PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+PREFIXED = ("m", "s", "Hz", "V", "N", "N/m", "V/s")  # units that take a prefix
+NOT_ABOVE_ONE = ("s", "V", "V/s")  # nobody says kiloseconds,
+NOT_BELOW_ONE = ("Hz", "V/s")  # or millihertz
+
+
+def number(value: float, digits: int = 2) -> str:
+    """A number rounded to so many significant digits, without an exponent."""
+    if value == 0.0 or not math.isfinite(value):
+        return f"{value:g}"
+    exponent = math.floor(math.log10(abs(float(f"{value:.{digits - 1}e}"))))
+    places = digits - 1 - exponent
+    return f"{round(value, places):.{max(0, places)}f}"
+
+
+def quantity(value: float, unit: str, digits: int = 2) -> str:
+    """A value with its unit, in the prefix in which it reads best: 8.5e-08 m is `85 nm`."""
+    if unit not in PREFIXED or value == 0.0 or not math.isfinite(value):
+        return f"{number(value, digits)} {unit}"
+    size = abs(float(f"{value:.{digits - 1}e}"))
+    power = 3 * math.floor(math.log10(size * (1.0 + 1e-9)) / 3.0)
+    lowest = 0 if unit in NOT_BELOW_ONE else min(PREFIXES)
+    highest = 0 if unit in NOT_ABOVE_ONE else max(PREFIXES)
+    power = min(max(power, lowest), highest)
+    return f"{number(value / 10.0**power, digits)} {PREFIXES[power]}{unit}"
+
+
+def percent(share: float, digits: int = 2) -> str:
+    """A share of one as a percentage."""
+    return f"{number(100.0 * share, digits)} %"

@@ -1,0 +1,50 @@
+"""Numbers as people read them."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from microgripper_control.core.quantities import number, percent, quantity
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "expected"),
+    [
+        (0.0, 2, "0"),
+        (24873.0, 2, "25000"),
+        (148.2, 3, "148"),
+        (0.01234, 2, "0.012"),
+        (-9.96, 2, "-10"),
+        (0.996, 2, "1.0"),
+        (math.inf, 2, "inf"),
+    ],
+)
+def test_a_number_keeps_its_significant_digits(value: float, digits: int, expected: str) -> None:
+    assert number(value, digits) == expected
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "expected"),
+    [
+        (8.5e-8, "m", "85 nm"),
+        (9.996e-7, "m", "1.0 µm"),
+        (1e-6, "m", "1.0 µm"),
+        (-1e-3, "V", "-1.0 mV"),
+        (2400.0, "s", "2400 s"),
+        (0.1, "Hz", "0.10 Hz"),
+        (2500.0, "Hz", "2.5 kHz"),
+        (5e4, "N/m", "50 kN/m"),
+        (0.02, "kg", "0.020 kg"),
+        (0.0, "m", "0 m"),
+    ],
+)
+def test_a_quantity_takes_the_prefix_in_which_it_reads_best(
+    value: float, unit: str, expected: str
+) -> None:
+    assert quantity(value, unit) == expected
+
+
+def test_a_share_is_a_percentage() -> None:
+    assert percent(0.0123) == "1.2 %"
