@@ -101,6 +101,14 @@ def test_all_configuration_and_launch_files_are_installed(setup_arguments: dict[
         assert {str(path.relative_to(ROOT)) for path in files} <= installed
 
 
+def test_all_files_beside_the_code_are_installed(setup_arguments: dict[str, Any]) -> None:
+    package = ROOT / "microgripper_control"
+    patterns = setup_arguments["package_data"]["microgripper_control"]
+    installed = {file for pattern in patterns for file in package.glob(pattern)}
+    beside = {f for f in package.rglob("*") if f.is_file() and f.suffix not in {".py", ".pyc"}}
+    assert beside <= installed
+
+
 def test_every_executable_exists(setup_arguments: dict[str, Any]) -> None:
     for entry in setup_arguments["entry_points"]["console_scripts"]:
         name, module, function = re.split(r" = |:", entry)

@@ -1,0 +1,126 @@
+"""What to do with a diagnosis: the values to take over, the next experiment, how to repeat it."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Sequence
+
+from microgripper_control.diagnosis.findings import Diagnosis
+from microgripper_control.effects.registry import registry
+from microgripper_control.plant.model import Key, Model
+from microgripper_control.report.markup import Html, element, joined
+from microgripper_control.report.wording import listed, number, scaled, span
+
+NEXT_CSV = "next_experiment.csv"
+MODEL_FILE = "model.yaml"
+
+
+def parameters(diagnosis: Diagnosis) -> Html | None:
+    """The nominal model's own parameters that the fit has moved."""
+    final = diagnosis.model
+    moved = _moved(diagnosis.nominal, final)
+    if not moved:
+        return None
+    models, titles = [diagnosis.nominal, final], ["parameter", "as given", "refitted"]
+    if diagnosis.effects:
+        models.insert(1, diagnosis.refit)
+        titles.append("with effects")
+    rows = [_parameter(key, models) for key in moved]
+    known = any(final.settings[link][name].interval for link, name in moved)
+    titles.append("95 %" if known else "")
+    head = element("tr", *(element("th", title, scope="col") for title in titles))
+    table = element("table", element("thead", head), element("tbody", joined(*rows)))
+    return element(
+        "section",
+        element("h2", "The model's own parameters"),
+        element("div", table, class_="scroll"),
+        element(
+            "p",
+            "Where an effect was missing, the refit alone bends these towards it; the last values "
+            f"belong to {MODEL_FILE}."
+            if diagnosis.effects
+            else f"The values of {MODEL_FILE}.",
+            class_="note",
+        ),
+    )
+
+
+def _moved(nominal: Model, final: Model) -> list[Key]:
+    return [
+        (link, name)
+        for link, settings in nominal.settings.items()
+        for name in settings
+        if link in final.settings and final.value(link, name) != nominal.value(link, name)
+    ]
+
+
+def _parameter(key: Key, models: Sequence[Model]) -> Html:
+    (link, name), final = key, models[-1]
+    unit = registry()[link].parameter(name).unit
+    factor, prefixed = scaled(unit, final.value(link, name))
+    values = (number(factor * model.value(link, name), 4) for model in models)
+    interval = final.settings[link][name].interval
+    ends = [factor * end for end in interval] if interval else []
+    return element(
+        "tr",
+        element("th", name, element("small", prefixed), scope="row"),
+        *(element("td", value, class_="number") for value in values),
+        element("td", span(ends[0], ends[1], "1", 4) if ends else "", class_="number"),
+    )
+
+
+def next_experiment(diagnosis: Diagnosis) -> Html | None:
+    """The voltage to record next, and what for."""
+    experiment = diagnosis.next_experiment
+    if experiment is None:
+        return None
+    return element(
+        "section",
+        element("h2", "The next experiment"),
+        element("p", experiment.why),
+        element("p", f"It tells apart: {listed(experiment.separates)}.")
+        if experiment.separates
+        else None,
+        figure("next", "Voltage to apply", f"The samples are in {NEXT_CSV}, beside this page."),
+    )
+
+
+def warnings(diagnosis: Diagnosis) -> Html | None:
+    """What to know before the result is trusted."""
+    if not diagnosis.warnings:
+        return None
+    items = element("ul", joined(*(element("li", text) for text in diagnosis.warnings)))
+    return element("section", element("h2", "Warnings"), items, id="warnings")
+
+
+def repeating(diagnosis: Diagnosis) -> Html:
+    """The command that gives the reported error again."""
+    conditions = diagnosis.conditions
+    commands = [
+        f"microgripper simulate --model {MODEL_FILE} {shlex.quote(judged.recording.name)} "
+        f"--hold {conditions.hold.value} --initial {conditions.initial.value} "
+        f"--out predicted.csv"
+        for judged in diagnosis.judged
+    ]
+    return element(
+        "section",
+        element("h2", "How to repeat it"),
+        element(
+            "p",
+            "Each command prints the error of the final model on one recording, as it was judged "
+            "here: the recording's own zero and initial state are fitted on blocks 1, 3, 5, 7, 9 "
+            "of ten, the error is taken on the others.",
+        ),
+        element("pre", element("code", "\n".join(commands)), tabindex="0"),
+    )
+
+
+def figure(name: str, title: str, caption: str) -> Html:
+    """The place of an interactive figure; the script fills it in."""
+    return element(
+        "figure",
+        element("h3", title),
+        element("div", class_="chart"),
+        element("figcaption", caption),
+        data_figure=name,
+    )

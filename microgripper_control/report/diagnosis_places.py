@@ -1,0 +1,93 @@
+"""Where a gap lies: one sentence a range, and the range drawn on the axis it is of."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from microgripper_control.core.recording import Recording
+from microgripper_control.core.signals import Array
+from microgripper_control.diagnosis.findings import Diagnosis, Range
+from microgripper_control.report.markup import Html, element, joined
+from microgripper_control.report.residual_views import Holds, rate_of
+from microgripper_control.report.wording import AXES, number, scaled, where
+
+LOGARITHMIC = ", log scale"
+NARROWEST = 1.0  # % of the axis, so that a line in a spectrum is seen
+
+
+def places(diagnosis: Diagnosis) -> Html | None:
+    """The where-lines."""
+    if not diagnosis.where:
+        return None
+    items = (
+        element("li", element("p", where(found)), _strip(found, diagnosis))
+        for found in diagnosis.where
+    )
+    return element(
+        "section", element("h2", "Where it lies"), element("ul", joined(*items), class_="places")
+    )
+
+
+def _ends(signal: Array) -> tuple[float, float]:
+    return float(np.min(signal)), float(np.max(signal))
+
+
+def _holds(recording: Recording) -> tuple[float, float]:
+    longest = np.max(Holds.of(recording).since, initial=2.0 * recording.sample_period)
+    return recording.sample_period, float(longest)
+
+
+# How far each axis reaches in a recording; a direction has no axis to draw.
+REACH: dict[str, Callable[[Recording], tuple[float, float]]] = {
+    "frequency_Hz": lambda r: (1.0 / r.duration, 0.5 / r.sample_period),
+    "displacement_m": lambda r: _ends(r.measured),
+    "voltage_V": lambda r: _ends(r.voltage),
+    "rate_V_per_s": lambda r: _ends(rate_of(r.voltage, r.sample_period)),
+    "time_s": lambda r: (0.0, r.duration),
+    "hold_time_s": _holds,
+}
+
+
+def _strip(found: Range, diagnosis: Diagnosis) -> Html | None:
+    """The axis as far as the judging recordings reach, with the range on it."""
+    if found.axis not in REACH:
+        return None
+    ends = [REACH[found.axis](judged.recording) for judged in diagnosis.judged]
+    low = min([found.low, *(low for low, _ in ends)])
+    high = max([found.high, *(high for _, high in ends)])
+    name, unit, _ = AXES[found.axis]
+    course, remark = _course(found, low)
+
+    def share(value: float) -> float:
+        a, b, v = map(course, (low, high, value))
+        return 100.0 * (v - a) / (b - a) if b > a else 0.0
+
+    left, right = share(found.low), share(found.high)
+    width = max(right - left, NARROWEST)
+    mark = element(
+        "span", class_="bar", style=f"left:{min(left, 100.0 - width):.2f}%;width:{width:.2f}%"
+    )
+    factor, prefixed = scaled(unit, max(abs(low), abs(high)))
+    title = f"{name}{remark}"
+    return element(
+        "div",
+        element("div", mark, class_="axis"),
+        element("span", f"{number(factor * low, 2)} {prefixed}"),
+        element("span", title),
+        element("span", f"{number(factor * high, 2)} {prefixed}"),
+        class_="strip",
+        aria_hidden="true",
+    )
+
+
+def _course(found: Range, low: float) -> tuple[Callable[[float], float], str]:
+    """How the axis runs, and how that is said; rates go over decades through zero."""
+    if found.axis == "rate_V_per_s":
+        knee = max(abs(found.low), abs(found.high)) / 3.0 or 1.0
+        return lambda rate: math.asinh(rate / knee), LOGARITHMIC
+    if found.axis in ("frequency_Hz", "hold_time_s") and low > 0.0:
+        return math.log, LOGARITHMIC
+    return lambda value: value, ""

@@ -1,0 +1,145 @@
+"""How the diagnosis speaks: names, quantities with their units, ranges, where a gap lies."""
+
+from __future__ import annotations
+
+import math
+import re
+
+from microgripper_control.core.quantities import (
+    NOT_ABOVE_ONE,
+    NOT_BELOW_ONE,
+    PREFIXED,
+    PREFIXES,
+)
+from microgripper_control.diagnosis.findings import EFFECTS, NONE, PARAMETERS, UNKNOWN, Range
+
+MINUS, TIMES, ABSENT = "\u2212", "\u00d7", "\u2013"
+RAISED = str.maketrans("-0123456789n", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹ⁿ")
+EXPONENT = re.compile(r"\^\(?([-\dn]+)\)?")
+TOGETHER = re.compile(r"(?<=\d) (?=(?:%|[pnµmk]?(?:m|s|V|Hz)\b))|(?<=\d,) (?=[\d.]+\])")
+
+VERDICTS = {
+    NONE: "no gap",
+    PARAMETERS: "parameters",
+    EFFECTS: "unmodelled effects",
+    UNKNOWN: "unknown cause",
+}
+
+ANSWERS = {
+    NONE: "none: the model is right as given",
+    PARAMETERS: "parameters: only mistuned",
+    UNKNOWN: "unknown: something not in the library",
+}
+
+# Of each axis: its name, its unit and how a range on it is put.
+AXES = {
+    "frequency_Hz": ("frequency", "Hz", "at frequencies of {}"),
+    "displacement_m": ("displacement", "m", "at displacements of {}"),
+    "voltage_V": ("voltage", "V", "at voltages of {}"),
+    "rate_V_per_s": ("voltage rate", "V/s", "while the voltage changes by {}"),
+    "time_s": ("time", "s", "between {} of the recording"),
+    "hold_time_s": ("time at rest", "s", "{} after the voltage has come to rest"),
+    "direction": ("direction", "1", "{}"),
+}
+
+
+def plain(name: str) -> str:
+    """An effect's or parameter's canonical name as words."""
+    return name.replace("_", " ")
+
+
+def listed(names: tuple[str, ...], last: str = "and") -> str:
+    """Several names in a sentence: a, b and c."""
+    words = [plain(name) for name in names]
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} {last} {words[-1]}"
+
+
+def number(value: float, digits: int = 3) -> str:
+    """A number with so many significant digits, and a true minus sign."""
+    if not math.isfinite(value):
+        return f"{MINUS if value < 0.0 else ''}∞" if math.isinf(value) else ABSENT
+    if value == 0.0:
+        return "0"
+    mantissa, power = f"{value:.{digits - 1}e}".split("e")
+    exponent = int(power)
+    if not -4 <= exponent < 6:
+        return f"{mantissa} {TIMES} 10{str(exponent).translate(RAISED)}".replace("-", MINUS)
+    rounded = float(f"{mantissa}e{power}")
+    text = f"{rounded:,.{max(0, digits - 1 - exponent)}f}"
+    separator = "\u202f" if abs(rounded) >= 1e4 else ""
+    return text.replace(",", separator).replace("-", MINUS)
+
+
+def scaled(unit: str, size: float) -> tuple[float, str]:
+    """The factor to, and the name of, the unit in which a number of this size reads best."""
+    if unit == "1":
+        return 1.0, ""
+    if unit not in PREFIXED or size == 0.0 or not math.isfinite(size):
+        return 1.0, written(unit)
+    power = 3 * math.floor(math.log10(abs(size) * 1.0000001) / 3.0)
+    lowest = 0 if unit in NOT_BELOW_ONE else min(PREFIXES)
+    highest = 0 if unit in NOT_ABOVE_ONE else max(PREFIXES)
+    power = min(max(power, lowest), highest)
+    return 10.0**-power, PREFIXES[power] + unit
+
+
+def written(unit: str) -> str:
+    """A unit as people write it: N/m^2 as N/m²."""
+    return EXPONENT.sub(lambda found: found[1].translate(RAISED), unit.replace("*", "·"))
+
+
+def unbroken(text: str) -> str:
+    """The text with numbers kept on one line with their units, and intervals in one piece."""
+    return TOGETHER.sub("\u00a0", text)
+
+
+def quantity(value: float, unit: str, digits: int = 3) -> str:
+    """A value with its unit, in the prefix in which it reads best."""
+    factor, name = scaled(unit, value)
+    return f"{number(factor * value, digits)}\u00a0{name}".rstrip()
+
+
+def span(low: float, high: float, unit: str, digits: int = 3) -> str:
+    """A range, both ends in one unit; open ends say so."""
+    ends = [end for end in (low, high) if math.isfinite(end)]
+    factor, name = scaled(unit, max(map(abs, ends), default=0.0))
+    if math.isinf(low) and math.isinf(high):
+        return "not determined"
+    if math.isinf(high):
+        return f"more than {number(factor * low, digits)}\u00a0{name}".rstrip()
+    if math.isinf(low):
+        return f"less than {number(factor * high, digits)}\u00a0{name}".rstrip()
+    both = f"{number(factor * low, digits)} to {number(factor * high, digits)}"
+    return f"{both}\u00a0{name}".rstrip()
+
+
+def nanometres(value: float | None) -> str:
+    """An error, nm, as the tables show it."""
+    if value is None or not math.isfinite(value):
+        return ABSENT
+    nm = 1e9 * value
+    return f"{nm:.1f}" if nm < 99.95 else number(nm, max(3, 1 + math.floor(math.log10(nm))))
+
+
+def percent(share: float, digits: int = 0) -> str:
+    """A share of one as a percentage; what is not quite nothing or all says so."""
+    value = 100.0 * share
+    if not math.isfinite(value):
+        return ABSENT
+    if 0.0 < value < 0.5 and digits == 0:
+        return "< 1\u00a0%"
+    if 99.5 <= value < 100.0 and digits == 0:
+        return "> 99\u00a0%"
+    return f"{value:.{digits}f}\u00a0%".replace("-", MINUS)
+
+
+def where(found: Range) -> str:
+    """One line of where the gap lies, as a sentence."""
+    _, unit, phrase = AXES[found.axis]
+    if found.axis != "direction":
+        place = phrase.format(span(found.low, found.high, unit, 2))
+    elif found.low < 0.0 < found.high:
+        place = "on both rising and falling voltage"
+    else:
+        place = "on rising voltage" if found.high > 0.0 else "on falling voltage"
+    return f"{percent(found.share_of_gap)} of the gap's power lies {place}."

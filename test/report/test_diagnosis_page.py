@@ -1,0 +1,240 @@
+"""The report is whole and self-contained, and a real browser draws every figure of it."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from browser import Elements, needs_browser, run, shown
+from diagnoses import creeping, parameters_only
+
+from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.diagnosis.findings import UNKNOWN
+from microgripper_control.report.diagnosis_page import FIGURES, write_diagnosis_report
+from microgripper_control.report.wording import MINUS
+
+HOSTILE = "</script><script>document.title='taken'</script><img src=x onerror=alert(1)>&\"'"
+LARGEST = 3e6  # bytes
+POLICY = re.compile(r'<meta http-equiv="Content-Security-Policy"[^>]*>')
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("report") / "report.html"
+    write_diagnosis_report(creeping(), path)
+    return path
+
+
+def with_script(page: Path, script: str, copy: Path) -> Path:
+    """A copy of the page that runs a script of ours after its own."""
+    text = POLICY.sub("", page.read_text(encoding="utf-8"))
+    block = f"<script>{{{script}}}</script></body>"  # with names of its own
+    copy.write_text(text.replace("</body>", block), encoding="utf-8")
+    return copy
+
+
+def exercised(page: Path, folder: Path, script: str) -> dict[str, str]:
+    """What a script leaves in the data of the page's root when it has used the page."""
+    elements, console = shown(with_script(page, script, folder / "used.html"), folder / "profile")
+    assert console == []
+    return elements.named("html")[0]
+
+
+def test_it_reads_in_the_order_of_a_technician(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    headings = re.findall(r"<h[12][^>]*>(.*?)</h[12]>", text)
+    assert headings == [
+        "The rig creeps.",
+        "How far it shrinks",
+        "Where in the signal chain",
+        "Which cause",
+        "How much each effect accounts for",
+        "What cannot be told apart",
+        "Where it lies",
+        "Before and after",
+        "The model&#x27;s own parameters",
+        "The next experiment",
+        "Warnings",
+        "How to repeat it",
+    ]
+    assert "microgripper simulate --model model.yaml &#x27;first run&#x27; --hold zero" in text
+    assert "1 of them could not be fitted" in text
+    assert "contradicts" in text
+
+
+def test_it_needs_nothing_but_itself(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    elements = Elements(text)
+    for _, attributes in elements.all:
+        assert not {"src", "onerror", "onload", "onclick"} & attributes.keys()
+        assert attributes.get("href", "#").startswith("#")
+    assert "@import" not in text
+    assert "url(" not in text.replace("url(#${clip})", "")
+    assert "default-src 'none'" in POLICY.search(text)[0].replace("&#x27;", "'")
+
+
+def test_no_text_of_a_recording_becomes_markup(tmp_path: Path) -> None:
+    found = creeping((HOSTILE,))
+    candidates = [replace(c, note=HOSTILE) for c in found.candidates]
+    hostile = replace(
+        found,
+        sentence=HOSTILE,
+        candidates=tuple(candidates),
+        warnings=(HOSTILE,),
+        model=replace(found.model, name=HOSTILE),
+    )
+    write_diagnosis_report(hostile, tmp_path / "report.html")
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    elements = Elements(text)
+    assert elements.named("img") == []
+    assert len(elements.named("script")) == len(creeping_scripts(tmp_path))
+    data = re.search(r'id="report-data">(.*?)</script>', text, re.DOTALL)
+    assert data is not None
+    assert set(json.loads(data[1])) == {"recordings", "figures"}
+    assert not set("<>&") & set(data[1])
+
+
+def creeping_scripts(folder: Path) -> list[dict[str, str]]:
+    write_diagnosis_report(creeping(("harmless",)), folder / "harmless.html")
+    return Elements((folder / "harmless.html").read_text(encoding="utf-8")).named("script")
+
+
+def test_long_recordings_make_a_small_page(tmp_path: Path) -> None:
+    write_diagnosis_report(creeping(samples=44_000), tmp_path / "report.html")
+    assert (tmp_path / "report.html").stat().st_size < LARGEST
+
+
+def test_a_place_that_cannot_be_written_is_named(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(MicrogripperError, match="file"):
+        write_diagnosis_report(parameters_only(), tmp_path / "file" / "report.html")
+
+
+@needs_browser
+def test_every_figure_is_drawn_without_an_error(page: Path, tmp_path: Path) -> None:
+    elements, console = shown(page, tmp_path)
+    assert console == []
+    assert elements.named("html")[0]["data-errors"] == "0"
+    figures = {f["data-figure"]: f for f in elements.named("figure")}
+    assert set(figures) == {name for name, *_ in FIGURES} | {"next"}
+    assert all(figure.get("data-drawn") == "true" for figure in figures.values())
+    for svg in elements.named("svg"):
+        assert {"aria-label", "aria-hidden"} & svg.keys() or "chain" in svg["class"]
+
+
+@needs_browser
+def test_hostile_names_leave_no_trace_in_the_browser(tmp_path: Path) -> None:
+    found = replace(creeping((HOSTILE,)), warnings=(HOSTILE,))
+    write_diagnosis_report(found, tmp_path / "report.html")
+    elements, console = shown(tmp_path / "report.html", tmp_path / "profile")
+    assert console == []
+    assert elements.named("img") == []
+    assert "taken" not in elements.text.split("APA120S")[0]
+    assert HOSTILE in elements.text
+
+
+@needs_browser
+@pytest.mark.parametrize("verdict", ["parameters", UNKNOWN])
+def test_a_page_without_effects_and_rests(verdict: str, tmp_path: Path) -> None:
+    found = replace(parameters_only(), verdict=verdict)
+    write_diagnosis_report(found, tmp_path / "report.html")
+    elements, console = shown(tmp_path / "report.html", tmp_path / "profile")
+    assert console == []
+    figures = {f["data-figure"]: f for f in elements.named("figure")}
+    assert "hidden" in figures.pop("holds")
+    assert all(figure.get("data-drawn") == "true" for figure in figures.values())
+
+
+@needs_browser
+def test_the_console_of_a_broken_page_is_seen(page: Path, tmp_path: Path) -> None:
+    """So that its silence above means something."""
+    text = page.read_text(encoding="utf-8").replace('"kind":"lines"', '"kind":"lines","bands":7')
+    broken = tmp_path / "broken.html"
+    broken.write_text(text, encoding="utf-8")
+    assert shown(broken, tmp_path / "profile")[1] != []
+
+
+@needs_browser
+def test_figures_zoom_together_and_lines_are_read_and_hidden(page: Path, tmp_path: Path) -> None:
+    found = exercised(
+        page,
+        tmp_path,
+        """
+        const tell = (name, value) => { document.documentElement.dataset[name] = value; };
+        const all = (figure, what) =>
+          [...document.querySelectorAll(`figure[data-figure=${figure}] ${what}`)];
+        const ticks = () => all("response", "text.tick").map((tick) => tick.textContent).join(" ");
+        const press = (key) => all("residual", "svg[role=img]")[0]
+          .dispatchEvent(new KeyboardEvent("keydown", { key }));
+        const loop = () => all("loops", ".plot path")[0].getAttribute("d").length;
+        tell("whole", ticks()); tell("loop", loop());
+        press("+"); press("+");
+        tell("zoomed", ticks()); tell("part", loop());
+        press("ArrowRight");
+        tell("read", all("residual", ".value").map((value) => value.textContent).join());
+        press("Escape");
+        tell("again", ticks());
+        tell("lines", all("residual", ".plot path").length);
+        all("residual", ".legend button")[0].click();
+        tell("more", all("residual", ".plot path").length);
+        """,
+    )
+    assert found["data-whole"].startswith("0 1 2 3 4")
+    assert found["data-zoomed"].startswith("1.6 1.8 2 2.2 2.4 ")
+    assert int(found["data-part"]) < 0.7 * int(found["data-loop"])
+    assert re.fullmatch(f",[{MINUS}.0-9]+ nm,[{MINUS}.0-9]+ nm", found["data-read"])
+    assert found["data-again"] == found["data-whole"]
+    assert (found["data-lines"], found["data-more"]) == ("2", "3")
+
+
+@needs_browser
+def test_another_recording_is_drawn_when_it_is_chosen(page: Path, tmp_path: Path) -> None:
+    found = exercised(
+        page,
+        tmp_path,
+        """
+        const line = () => document
+          .querySelector("figure[data-figure=voltage] .plot path").getAttribute("d");
+        const [first, chooser] = [line(), document.getElementById("recording")];
+        chooser.value = "1";
+        chooser.dispatchEvent(new Event("change"));
+        document.documentElement.dataset.changed = line() !== first;
+        """,
+    )
+    assert found["data-changed"] == "true"
+
+
+@needs_browser
+def test_it_prints(page: Path, tmp_path: Path) -> None:
+    run(page, tmp_path / "profile", f"--print-to-pdf={tmp_path / 'report.pdf'}")
+    pdf = (tmp_path / "report.pdf").read_bytes()
+    assert pdf.startswith(b"%PDF")
+    assert 4 <= len(re.findall(rb"/Type\s*/Page\b", pdf)) <= 16
+
+
+@needs_browser
+def test_nothing_is_wider_than_a_phone(page: Path, tmp_path: Path) -> None:
+    """In a frame of a phone's width: the browser's own window cannot be that narrow."""
+    script = """
+        const scrolls = (element) => element.closest(".scroll") !== null;
+        const wide = [...document.querySelectorAll("main *")].filter((element) =>
+          !scrolls(element) && element.getBoundingClientRect().right > innerWidth);
+        const drawn = document.querySelectorAll("figure[data-drawn=true]").length;
+        parent.postMessage([innerWidth, drawn, wide.map((e) => e.outerHTML.slice(0, 80))], "*");
+        """
+    with_script(page, script, tmp_path / "used.html")
+    (tmp_path / "phone.html").write_text(
+        """<!doctype html><title>phone</title><script>
+        addEventListener("message", (event) => {
+          document.documentElement.dataset.found = JSON.stringify(event.data);
+        });
+        </script><iframe src="used.html" style="width: 360px; height: 740px; border: 0"></iframe>
+        """,
+        encoding="utf-8",
+    )
+    elements, console = shown(tmp_path / "phone.html", tmp_path / "profile")
+    assert console == []
+    assert json.loads(elements.named("html")[0]["data-found"]) == [360, len(FIGURES) + 1, []]
