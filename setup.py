@@ -34,7 +34,11 @@ ROS = [
     "ros-jazzy-std-srvs==5.3.6",  # services without arguments
 ]
 
+# A Dask cluster for `--scheduler`.
+CLUSTER = ["distributed>=2024.1,<2027"]  # brings dask
+
 TEST = [
+    *CLUSTER,  # a scheduler and workers on this machine
     "hypothesis>=6.100,<7",  # properties on drawn inputs
     "mypy>=2.4,<2.5",  # types
     "pytest>=9,<10",  # runs the tests
@@ -62,7 +66,7 @@ setup(
     ],
     python_requires=">=3.10",
     install_requires=DEPENDENCIES,
-    extras_require={"ros": ROS, "test": TEST},
+    extras_require={"ros": ROS, "cluster": CLUSTER, "test": TEST},
     entry_points={
         "console_scripts": [
             f"microgripper = {NAME}.cli.main:main",

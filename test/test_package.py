@@ -80,7 +80,8 @@ def test_the_wheels_of_ros_are_pinned(setup_arguments: dict[str, Any]) -> None:
 
 
 def test_everything_imported_is_a_declared_dependency(setup_arguments: dict[str, Any]) -> None:
-    declared = setup_arguments["install_requires"] + setup_arguments["extras_require"]["ros"]
+    extras = setup_arguments["extras_require"]
+    declared = setup_arguments["install_requires"] + extras["ros"] + extras["cluster"]
     known = {re.sub("^python3?-|-pip$", "", key) for key in rosdep_keys(declared)}
     assert "numba" in known
     known.add("llvmlite")  # a part of numba, which alone knows the version that fits

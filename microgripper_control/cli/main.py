@@ -7,6 +7,7 @@ import sys
 import typer
 
 from microgripper_control.cli.demo import demo
+from microgripper_control.cli.diagnose import diagnose, spread_heldout
 from microgripper_control.cli.identify import identify
 from microgripper_control.cli.paper import paper
 from microgripper_control.cli.simulate import simulate
@@ -19,7 +20,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (identify, simulate, stiffness, paper, demo):
+for command in (identify, simulate, diagnose, stiffness, paper, demo):
     app.command(no_args_is_help=command is not demo)(command)
 
 
@@ -29,7 +30,7 @@ BAD_INPUT = 2
 def main() -> None:
     """Run the command line: exit status 0 on success, 2 on bad input with one line on stderr."""
     try:
-        app()
+        app(spread_heldout(sys.argv[1:]))
     except MicrogripperError as error:
         print(f"microgripper: {error}", file=sys.stderr)
         sys.exit(BAD_INPUT)

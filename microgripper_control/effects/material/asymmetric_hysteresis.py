@@ -1,16 +1,18 @@
 """Hysteresis whose rising and falling branches differ by more than beta and gamma give.
 
-    w_a = w - (tilt u + bulge u^2 + skew h) h
+    w_a = w - (tilt u + bulge u^2 + twist u^3 + skew s) s,        reach s' = (sgn u' - s) |u'|
 
-The paper's h, which is what the loop is made of, counts more in one part of the range than in
-another: `tilt` opens the loop towards one end, `bulge` in the middle or at both ends, `skew`
-weights the two branches, on which h differs, unequally. No state is added: the way counts, not the
-speed. The generalised Bouc-Wen equations put such terms into h' (Zhu and Wang delta u sgn(u'), Song
-and Der Kiureghian the signs of products of u, u' and h). Put beside h they leave its closed form
-alone; what they take up of another asymmetry depends on it: 20 to 90 % of it in seven that were
-tried.
+s is the direction in which the voltage goes, +-1, as the material remembers it: after a turn it
+changes over within a travel of `reach`. Its weight follows the voltage, so the branches part by
+`tilt` more towards one end of the range, by `bulge` more in the middle or at both ends, by `twist`
+one way in its lower and the other way in its upper part; `skew` moves both branches where they are
+far from a turn. Only the way counts, not the speed. A weight without u is left out: that is a loop
+as h is one. Generalised Bouc-Wen equations put such terms into h' (Zhu and Wang delta u sgn(u'),
+Song and Der Kiureghian the signs of products of u, u' and h); put beside it they leave its closed
+form alone.
 """
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -18,44 +20,50 @@ import numpy as np
 from microgripper_control.core.compiled import compiled
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import percent
-from microgripper_control.core.signals import FREE, HYSTERESIS, VOLTAGE, Array, Timing
+from microgripper_control.core.signals import FREE, VOLTAGE, Array, Timing
 from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
-
-USUAL_H = 0.05  # of the stroke: h of the usual piezo
 
 
 @compiled
 def kernel(coefficients: Array, state: Array, bus: Array) -> None:
-    tilt, bulge, skew = coefficients[0, 0], coefficients[0, 1], coefficients[0, 2]
+    """State: s and the voltage so far. A row: tilt, bulge, twist, skew, reach."""
+    c = coefficients[0]
+    s, old = state[0], state[1]
     for j in range(bus.shape[1]):
-        u, h = bus[VOLTAGE, j], bus[HYSTERESIS, j]
-        bus[FREE, j] -= ((tilt + bulge * u) * u + skew * h) * h
+        u = bus[VOLTAGE, j]
+        if u != old:
+            kept = math.exp(-abs(u - old) / c[4])
+            s = kept * s + (1.0 - kept if u > old else kept - 1.0)
+            old = u
+        bus[FREE, j] -= (((c[2] * u + c[1]) * u + c[0]) * u + c[3] * s) * s
+    state[0], state[1] = s, old
 
 
 def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
-    """No state."""
-    coefficients = np.array([[values["tilt"], values["bulge"], values["skew"]]])
-    bus = levels[:, None].copy()
-    kernel(coefficients, np.zeros(0), bus)
-    levels[FREE] = bus[FREE, 0]
-    return Prepared(coefficients, np.zeros(0), timing.ramped)
+    """The levels are left alone: a material at rest remembers no direction."""
+    row = [values[name] for name in ("tilt", "bulge", "twist", "skew", "reach")]
+    return Prepared(np.array([row]), np.array([0.0, levels[VOLTAGE]]), timing.ramped)
 
 
 def starts(scales: Scales) -> Sequence[Values]:
-    """Each of the three ways by itself, a tenth of h at the largest voltage."""
-    largest = max(abs(volts) for volts in scales.voltage)
-    off = {"tilt": 0.0, "bulge": 0.0, "skew": 0.0}
-    sizes = {"tilt": 0.1 / largest, "bulge": 0.1 / largest**2, "skew": 2.0 / scales.stroke}
-    return [off | {name: size} for name, size in sizes.items()]
+    """Each of the four ways by itself, a hundredth of the stroke, with two memories."""
+    u, size = max(abs(volts) for volts in scales.voltage), 0.01 * scales.stroke
+    off = {"tilt": 0.0, "bulge": 0.0, "twist": 0.0, "skew": 0.0}
+    ways = {"tilt": size / u, "bulge": size / u**2, "twist": size / u**3, "skew": size}
+    return [
+        off | {name: way, "reach": share * scales.swing}
+        for share in (0.08, 0.2)
+        for name, way in ways.items()
+    ]
 
 
 def says(values: Values, scales: Scales) -> str:
-    u = np.linspace(*scales.voltage, 50)[:, None]
-    h = USUAL_H * scales.stroke * np.array([-1.0, 1.0])
-    weight = (values["tilt"] + values["bulge"] * u) * u + values["skew"] * h
+    u = np.linspace(*scales.voltage, 50)
+    apart = 2.0 * ((values["twist"] * u + values["bulge"]) * u + values["tilt"]) * u
     return (
-        "the hysteresis is lopsided: it counts up to "
-        f"{percent(float(np.ptp(weight)))} more in one part of the loop than in another"
+        "the hysteresis is lopsided: between rising and falling voltage the branches part by up to "
+        f"{percent(float(np.ptp(apart)) / scales.stroke)} of the stroke more in one place than in "
+        "another"
     )
 
 
@@ -66,9 +74,11 @@ LINK = Link(
     title="asymmetric hysteresis",
     source="after Zhu and Wang 2012 (paper, reference [20]); Song and Der Kiureghian 2006",
     parameters=(
-        Parameter("tilt", "1/V", 1e-3, -0.1, 0.1, "growth of the loop with voltage", 0.0),
-        Parameter("bulge", "1/V^2", 1e-5, -1e-2, 1e-2, "growth with its square", 0.0),
-        Parameter("skew", "1/m", 5e4, -1e8, 1e8, "growth with h itself", 0.0),
+        Parameter("tilt", "m/V", 1e-9, -1e-3, 1e-3, "of the branches, with voltage", 0.0),
+        Parameter("bulge", "m/V^2", 1e-11, -1e-4, 1e-4, "with its square", 0.0),
+        Parameter("twist", "m/V^3", 1e-13, -1e-5, 1e-5, "with its cube", 0.0),
+        Parameter("skew", "m", 1e-7, -1e-2, 1e-2, "of both branches, far from a turn", 0.0),
+        Parameter("reach", "V", 15.0, 1e-3, 1e4, "travel over which a turn is forgotten"),
     ),
     prepare=prepare,
     kernel=kernel,

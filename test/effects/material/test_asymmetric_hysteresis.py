@@ -9,25 +9,28 @@ import pytest
 from scipy.optimize import least_squares
 
 from microgripper_control.core.signals import Array
-from microgripper_control.effects.material.bouc_wen import advance
 from microgripper_control.effects.registry import link_named
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.simulate import Hold, Initial, simulate
 
 LINK = "asymmetric_hysteresis"
-VALUES = {"tilt": 2e-3, "bulge": -1e-5, "skew": 8e4}
+VALUES = {"tilt": 2e-9, "bulge": -1.5e-11, "twist": 8e-14, "skew": 1e-7, "reach": 12.0}
 STROKE = 20e-6  # m
 
 
-def test_at_rest_it_is_its_formula(paper: Model, lively: Array) -> None:
-    s, d = paper.values("second_order"), paper.values("bouc_wen")
-    x = simulate(paper.with_link(LINK, **VALUES), lively, 1e-3)
-    h, u = 0.0, 0.0
-    for k, voltage in enumerate(lively[:-1]):
-        h, u = advance(h, voltage - u, d["alpha"] * d["d"], d["beta"], d["gamma"], 1.0), voltage
-        weight = 1.0 + VALUES["tilt"] * u + VALUES["bulge"] * u * u + VALUES["skew"] * h
-        expected = s["k"] / (s["k"] + s["k_s"]) * (d["d"] * u - h * weight)
-        assert x[k + 1] == pytest.approx(expected, abs=1e-6 * STROKE)
+def test_on_a_long_rise_it_is_its_polynomial(paper: Model) -> None:
+    """From rest s = 1 - exp(-u / reach), and after a turn at the top it goes to -1 likewise."""
+    rise, fall = np.arange(0.0, 121.0, 2.0), np.arange(120.0, -1.0, -2.0)
+    voltage = np.append(rise, fall)
+    gain = 5e7 / (5e7 + 8.2e5)
+    plain = simulate(paper, voltage, 0.1, hold=Hold.FIRST)
+    x = simulate(paper.with_link(LINK, **VALUES), voltage, 0.1, hold=Hold.FIRST)
+    up = 1.0 - np.exp(-rise / VALUES["reach"])
+    down = (up[-1] + 1.0) * np.exp(-(120.0 - fall) / VALUES["reach"]) - 1.0
+    s, u = np.append(up, down), voltage
+    weight = VALUES["tilt"] * u + VALUES["bulge"] * u**2 + VALUES["twist"] * u**3
+    expected = -gain * (weight + VALUES["skew"] * s) * s
+    np.testing.assert_allclose(x - plain, expected, rtol=0.0, atol=2e-4 * np.ptp(expected))
 
 
 def test_it_knows_the_way_not_the_speed(paper: Model) -> None:
@@ -117,7 +120,7 @@ def test_planted_values_are_found(
 ) -> None:
     truth = np.array(list(VALUES.values()))
     rig = paper.with_link(LINK, **VALUES)
-    start = {"tilt": 1e-3, "bulge": 1e-5, "skew": 5e4}
+    start = {"tilt": 1e-9, "bulge": -1e-11, "twist": 1e-13, "skew": 5e-8, "reach": 20.0}
     found, errors = recover(rig, LINK, start, lively, 1e-3)
     assert np.all(np.abs(found - truth) < 4.0 * errors)
     assert np.all(errors < 0.2 * np.abs(truth))

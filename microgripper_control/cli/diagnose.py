@@ -1,0 +1,154 @@
+"""`microgripper diagnose`: why the rig differs from its model, from recordings alone."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.box import SIMPLE
+from rich.console import Console
+from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from microgripper_control.cli.options import (
+    HoldOption,
+    InitialOption,
+    JsonOption,
+    MapOption,
+    ModelOption,
+    read_all,
+    read_model,
+)
+from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.files import make_folder
+from microgripper_control.diagnosis.diagnose import diagnose as find_causes
+from microgripper_control.diagnosis.exploration import Progress as OnProgress
+from microgripper_control.diagnosis.findings import Diagnosis
+from microgripper_control.diagnosis.result_file import as_json, write_result
+from microgripper_control.diagnosis.schedule import cluster
+from microgripper_control.effects.registry import link_named
+from microgripper_control.identification.nuisance import Conditions
+from microgripper_control.plant.model_file import save_model
+from microgripper_control.plant.simulate import Hold, Initial
+from microgripper_control.report.diagnosis_page import write_diagnosis_report
+from microgripper_control.report.wording import where
+
+HELDOUT = "--heldout"
+SHOWN = 6  # candidates in the printed table
+
+
+def diagnose(
+    recordings: Annotated[list[Path], typer.Argument(metavar="RECORDING...")],
+    model: ModelOption,
+    out: Annotated[Path, typer.Option("--out", metavar="DIR")],
+    heldout: Annotated[
+        list[Path] | None,
+        typer.Option(
+            HELDOUT,
+            metavar="RECORDING...",
+            help="Recordings that judge and are never fitted; without any, blocks are held out of"
+            " what is given.",
+        ),
+    ] = None,
+    maps: MapOption = None,
+    hold: HoldOption = Hold.ZERO,
+    initial: InitialOption = Initial.FIRST_SAMPLE,
+    without: Annotated[
+        list[str] | None,
+        typer.Option(metavar="EFFECT", help="Leave an effect out of the library. May be repeated."),
+    ] = None,
+    jobs: Annotated[int, typer.Option(help="Candidates tried at once; -1: one a core.")] = -1,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(metavar="tcp://HOST:PORT", help="A Dask scheduler to send the work to."),
+    ] = None,
+    json_: JsonOption = False,
+) -> None:
+    """Say where simulation and rig differ, which effect causes it and how far it shrinks."""
+    judging = heldout or []
+    twice = {path.resolve() for path in recordings} & {path.resolve() for path in judging}
+    if twice:
+        raise MicrogripperError(
+            f"{HELDOUT}: {min(twice)} is also given to be fitted; give it one way only"
+        )
+    left_out = [link_named(name, "--without").name for name in without or []]
+    nominal = read_model(model)
+    given, kept_apart = read_all(recordings, maps), read_all(judging, maps)
+    make_folder(out)
+    with cluster(scheduler), _progress() as on_progress:
+        found = find_causes(
+            nominal, given, kept_apart, Conditions(hold, initial), on_progress, jobs, left_out
+        )
+    save_model(found.model, out / "model.yaml")
+    write_result(found, out)
+    write_diagnosis_report(found, out / "report.html")
+    if json_:
+        typer.echo(json.dumps(as_json(found, out), allow_nan=False))
+        return
+    show(found, Console(highlight=False, soft_wrap=True))
+    typer.echo(f"written: {out / 'report.html'}, diagnosis.json, model.yaml")
+
+
+def show(found: Diagnosis, console: Console) -> None:
+    """Print the verdict, the most probable candidates and where the gap lies."""
+    for warning in found.warnings:
+        console.print(f"warning: {warning}", markup=False)
+    console.print(found.sentence, markup=False)
+    table = Table(box=SIMPLE)
+    for column, side in (
+        ("answer", "left"),
+        ("stage", "left"),
+        ("probability", "right"),
+        ("present", "right"),
+        ("held-out error", "right"),
+    ):
+        table.add_column(column, justify="left" if side == "left" else "right", no_wrap=True)
+    for candidate in found.candidates[:SHOWN]:
+        error = "" if candidate.rmse is None else f"{1e9 * candidate.rmse:.1f} nm"
+        table.add_row(
+            candidate.effect,
+            candidate.stage or "",
+            f"{candidate.probability:.2f}",
+            f"{candidate.present:.2f}",
+            error,
+        )
+    console.print(table)
+    for place in found.where:
+        console.print(f"where: {where(place)}", markup=False)
+    for group in found.ambiguous:
+        console.print(f"these recordings cannot tell apart: {', '.join(group)}")
+    if found.next_experiment:
+        console.print(f"next: {found.next_experiment.why}", markup=False)
+
+
+def spread_heldout(arguments: Sequence[str]) -> list[str]:
+    """`--heldout A B` as `--heldout A --heldout B`, which is what the parser understands."""
+    spread: list[str] = []
+    within = False
+    for argument in arguments:
+        if argument == HELDOUT:
+            within = True
+            continue
+        if argument.startswith("-"):
+            within = False
+        spread += [HELDOUT, argument] if within else [argument]
+    if arguments and arguments[-1] == HELDOUT:
+        spread.append(HELDOUT)  # the parser says that a value is missing
+    return spread
+
+
+@contextmanager
+def _progress() -> Iterator[OnProgress]:
+    """A bar on standard error that names what has been tried."""
+    columns = (SpinnerColumn(), BarColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("nominal model, refit and noise floor", total=None)
+
+        def advance(what: str, done: int, total: int) -> None:
+            bar.update(task, description=what or "trying effects", completed=done, total=total)
+
+        yield advance

@@ -1,0 +1,149 @@
+"""From the weighed explanations to answers: verdict, candidates, stages, ambiguous groups."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from microgripper_control.diagnosis.exploration import Pool
+from microgripper_control.diagnosis.findings import (
+    EFFECTS,
+    NONE,
+    PARAMETERS,
+    UNKNOWN,
+    Candidate,
+    Signature,
+)
+from microgripper_control.diagnosis.noise import removable
+from microgripper_control.diagnosis.trial import Trial
+from microgripper_control.diagnosis.weighing import (
+    MISTUNED,
+    NOTHING,
+    OUTSIDE,
+    Explanation,
+)
+from microgripper_control.effects.base import Stage
+from microgripper_control.effects.registry import registry
+from microgripper_control.plant.model import Model, Setting
+
+Weighed = Mapping[Explanation, float]
+ANSWERS = {NOTHING: NONE, MISTUNED: PARAMETERS, OUTSIDE: UNKNOWN}
+RIVAL = 0.15  # of the chosen explanation's probability: as good for all we know
+MOST_RIVALS = 4
+AT_BOUND = 1e-3  # of the range
+
+
+def verdict(weighed: Weighed) -> str:
+    """The kind of answer that is most probable."""
+    kinds = {name: weighed.get(answer, 0.0) for answer, name in ANSWERS.items()}
+    kinds[EFFECTS] = 1.0 - sum(kinds.values())
+    return max(kinds, key=lambda kind: kinds[kind])
+
+
+def chosen(weighed: Weighed) -> Explanation:
+    """The most probable explanation by effects; empty if none was tried."""
+    tried = {effects: p for effects, p in weighed.items() if effects not in ANSWERS}
+    return max(tried, key=lambda effects: tried[effects]) if tried else frozenset()
+
+
+def by_importance(effects: Explanation, pool: Pool) -> tuple[str, ...]:
+    """Effects in the order of what each alone takes away, the most first."""
+    return tuple(sorted(effects, key=lambda name: (_alone(name, pool), name)))
+
+
+def _alone(name: str, pool: Pool) -> float:
+    """m: what is left when one effect alone is added; infinite if that was not fitted."""
+    trial = pool.tried.get(frozenset([name]))
+    return trial.rmse if trial else float("inf")
+
+
+def candidates(
+    weighed: Weighed,
+    pool: Pool,
+    names: Sequence[str],
+    signatures: Sequence[Signature],
+    model: Model,
+) -> tuple[Candidate, ...]:
+    """Every effect tried and the three other answers, largest probability first.
+
+    An effect that `model` has shows its values and their intervals, another those it has alone.
+    """
+    answer = dict.fromkeys([*names, *ANSWERS.values()], 0.0)
+    present = dict(answer)
+    for explanation, probability in weighed.items():
+        if explanation in ANSWERS:
+            answer[ANSWERS[explanation]] += probability
+            present[ANSWERS[explanation]] += probability
+            continue
+        answer[by_importance(explanation, pool)[0]] += probability
+        for name in explanation:
+            present[name] += probability
+    errors = {NONE: pool.nominal.rmse, PARAMETERS: pool.refit.rmse}
+    found = [
+        Candidate(name, None, answer[name], present[name], errors.get(name))
+        for name in ANSWERS.values()
+    ]
+    gap = removable(pool.refit.rmse, pool.noise_floor)
+    for name in names:
+        trial = pool.tried.get(frozenset([name]))
+        left = removable(trial.rmse, pool.noise_floor) if trial else gap
+        found.append(
+            Candidate(
+                effect=name,
+                stage=registry()[name].stage.value,
+                probability=answer[name],
+                present=present[name],
+                rmse=trial.rmse if trial else None,
+                parameters=_values(name, trial, model),
+                share=max(0.0, 1.0 - left / gap) if gap > 0.0 else 0.0,
+                signatures=tuple(s for s in signatures if s.effect == name),
+                note=_note(name, pool),
+            )
+        )
+    return tuple(sorted(found, key=lambda candidate: -candidate.probability))
+
+
+def _values(name: str, trial: Trial | None, model: Model) -> Mapping[str, Setting]:
+    if name in model.settings:
+        return model.settings[name]
+    return trial.model.settings[name] if trial else {}
+
+
+def rivals(weighed: Weighed, pool: Pool) -> list[Trial]:
+    """The explanations that are about as probable as the best, most probable first."""
+    trials = {NOTHING: pool.nominal, MISTUNED: pool.refit, **pool.tried}
+    order = sorted((e for e in weighed if e in trials), key=lambda e: -weighed[e])
+    return [trials[e] for e in order if weighed[e] > RIVAL * weighed[order[0]]][:MOST_RIVALS]
+
+
+def _note(name: str, pool: Pool) -> str:
+    trial = pool.tried.get(frozenset([name]))
+    if trial is None:
+        return pool.failures.get(name, "")
+    bounds = []
+    for parameter in registry()[name].parameters:
+        value = trial.model.value(name, parameter.name)
+        for bound in (parameter.low, parameter.high):
+            near = abs(value - bound) <= AT_BOUND * max(abs(bound), abs(value))
+            if parameter.fitted and near and bound != parameter.vanishing:
+                bounds.append(f"{parameter.name} at its bound {bound:g} {parameter.unit}")
+    return "; ".join(bounds)
+
+
+def stages(found: Sequence[Candidate]) -> dict[str, float]:
+    """The probability that the answer lies in each stage of the chain."""
+    return {
+        stage.value: sum(c.probability for c in found if c.stage == stage.value) for stage in Stage
+    }
+
+
+def ambiguous(weighed: Weighed) -> tuple[tuple[str, ...], ...]:
+    """Groups of effects that could stand for each other in the chosen explanation."""
+    best = chosen(weighed)
+    groups: dict[str, set[str]] = {}
+    for other, probability in weighed.items():
+        if other in ANSWERS or len(other) != len(best) or probability < RIVAL * weighed[best]:
+            continue
+        ours, theirs = best - other, other - best
+        if len(ours) == 1:
+            groups.setdefault(next(iter(ours)), set()).update(theirs)
+    return tuple((name, *sorted(rest)) for name, rest in sorted(groups.items()))

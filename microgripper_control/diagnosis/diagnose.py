@@ -1,0 +1,134 @@
+"""A whole diagnosis: from a model and recordings to the answer."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+
+from microgripper_control.core.recording import Recording
+from microgripper_control.diagnosis import answer
+from microgripper_control.diagnosis.evidence import Evidence
+from microgripper_control.diagnosis.experiment import next_experiment
+from microgripper_control.diagnosis.exploration import Pool, Progress, explore, silent
+from microgripper_control.diagnosis.findings import EFFECTS, NONE, Diagnosis, Gap, Judged
+from microgripper_control.diagnosis.freeform import explainable
+from microgripper_control.diagnosis.hold_check import hold_warnings
+from microgripper_control.diagnosis.identified_model import identified
+from microgripper_control.diagnosis.refit import nominal_trial, refit_trial
+from microgripper_control.diagnosis.residuals import residuals_of
+from microgripper_control.diagnosis.sentence import sentence
+from microgripper_control.diagnosis.shrinkage import closed_fraction, closed_interval
+from microgripper_control.diagnosis.signatures import signatures
+from microgripper_control.diagnosis.trial import Trial, refine
+from microgripper_control.diagnosis.weighing import Facts, weigh
+from microgripper_control.diagnosis.where import locate
+from microgripper_control.effects.base import no_starts
+from microgripper_control.effects.registry import registry
+from microgripper_control.identification.nuisance import Conditions, heldout_prediction
+from microgripper_control.plant.model import Model
+
+
+def candidate_names() -> list[str]:
+    """The effects that a diagnosis tries, in the order of the chain."""
+    return [name for name, link in registry().items() if link.starts is not no_starts]
+
+
+def diagnose(
+    nominal: Model,
+    recordings: Sequence[Recording],
+    heldout: Sequence[Recording] = (),
+    conditions: Conditions | None = None,
+    progress: Progress = silent,
+    jobs: int = -1,
+    without: Collection[str] = (),
+) -> Diagnosis:
+    """Explain how the rig on the recordings differs from `nominal`, judged on `heldout` if given.
+
+    The effects in `without` are not tried. Raises MicrogripperError for recordings that tell
+    nothing.
+    """
+    evidence = Evidence.gather(recordings, heldout, conditions or Conditions(), nominal)
+    before = nominal_trial(evidence, nominal)
+    refit = refit_trial(evidence, before)
+    left_out = {*nominal.effects, *without}
+    names = [name for name in candidate_names() if name not in left_out]
+    pool = explore(evidence, before, refit, names, progress, jobs)
+    progress("where the gap lies", 0, 1)
+    fitted, judging = residuals_of(evidence, refit.model)
+    signs = signatures([*judging, *fitted], pool.noise_floor)
+    weighed = weigh(Facts.of(pool, signs))
+    verdict = answer.verdict(weighed)
+    effects: tuple[str, ...] = ()
+    best = before if verdict == NONE else refit
+    if verdict == EFFECTS:
+        effects = answer.by_importance(answer.chosen(weighed), pool)
+        best = refine(evidence, pool.tried[frozenset(effects)])
+    model = nominal if verdict == NONE else identified(evidence, best)
+    found = answer.candidates(weighed, pool, names, signs, model)
+    gap = _gap(evidence, pool, best, explainable(fitted, judging, pool.noise_floor))
+    where = tuple(locate([*judging, *fitted], pool.noise_floor))
+    groups = answer.ambiguous(weighed) if verdict == EFFECTS else ()
+    rivals = [trial.model for trial in answer.rivals(weighed, pool)]
+    return Diagnosis(
+        verdict=verdict,
+        sentence=sentence(
+            verdict, effects, gap, nominal, model, found, where, evidence.scales, groups
+        ),
+        effects=effects,
+        candidates=found,
+        stages=answer.stages(found),
+        gap=gap,
+        where=where,
+        ambiguous=groups,
+        next_experiment=next_experiment(
+            rivals, evidence.fitted[0], evidence.conditions, pool.noise_floor
+        ),
+        nominal=nominal,
+        refit=refit.model,
+        model=model,
+        conditions=evidence.conditions,
+        judged=_judged(evidence, before, refit, best),
+        shares=_shares(pool, effects, best),
+        warnings=hold_warnings(evidence, refit),
+    )
+
+
+def _gap(evidence: Evidence, pool: Pool, best: Trial, free_form: float) -> Gap:
+    floor = pool.noise_floor
+    low, high = closed_interval(pool.refit.errors, best.errors, floor)
+    return Gap(
+        nominal=pool.nominal.rmse,
+        refit=pool.refit.rmse,
+        augmented=best.rmse,
+        noise_floor=floor,
+        closed=closed_fraction(pool.refit.rmse, best.rmse, floor),
+        closed_low=low,
+        closed_high=high,
+        free_form=free_form,
+        separate=evidence.separate,
+    )
+
+
+def _judged(
+    evidence: Evidence, nominal: Trial, refit: Trial, augmented: Trial
+) -> tuple[Judged, ...]:
+    """What the three models say about each judging recording."""
+    found = []
+    for recording in evidence.judged:
+        said = [
+            heldout_prediction(trial.model, recording, evidence.conditions)
+            for trial in (nominal, refit, augmented)
+        ]
+        found.append(Judged(recording, said[0][1], *(prediction for prediction, _ in said)))
+    return tuple(found)
+
+
+def _shares(pool: Pool, effects: Sequence[str], best: Trial) -> Mapping[str, float]:
+    """Of what the effects close together: the part that goes when one is left out."""
+    if len(effects) < 2:
+        return dict.fromkeys(effects, 1.0)
+    lost = {}
+    for name in effects:
+        without = pool.tried.get(frozenset(effects) - {name})
+        lost[name] = max(0.0, without.rmse**2 - best.rmse**2) if without else 0.0
+    total = sum(lost.values())
+    return {name: part / total if total > 0.0 else 0.0 for name, part in lost.items()}

@@ -1,0 +1,213 @@
+"""Which explanations are tried: each effect alone, then the best with a second and a third.
+
+Forward selection on the fitted samples with a backward check; every explanation that was tried is
+kept, and how probable each is follows from all of them together (see `weighing`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from microgripper_control.diagnosis.evidence import Evidence
+from microgripper_control.diagnosis.noise import innovation, removable
+from microgripper_control.diagnosis.schedule import side_by_side
+from microgripper_control.diagnosis.screening import guesses
+from microgripper_control.diagnosis.trial import Base, Trial, base_of, extend, judged, refine
+from microgripper_control.effects.registry import registry
+
+STARTS = 3  # best first guesses that are fitted
+MOST_EFFECTS = 3
+BEAM = 2  # explanations that a further effect is added to
+SECONDS = 5  # further effects that are fitted, the most promising
+UNEXPLAINED = 0.3  # of the noise floor: a structured rest above it asks for another effect,
+UNCLOSED = 0.1  # if it is more of the gap than a law leaves that is right but not the rig's own
+FAIR_PART = 0.12  # of the gap; two independent effects of one size close 0.3 of it each
+RIVAL = 0.7  # of what the best closes: what the second must close to be a leader as well
+NO_CHANGE = 0.02  # of the error: an effect that does less is left as the chord method has it
+ROUGH, POLISHED = 1e-3, 1e-5  # tolerances
+
+Progress = Callable[[str, int, int], None]  # what is being tried, how many are done, of how many
+
+
+def silent(what: str, done: int, total: int) -> None:
+    """No progress shown."""
+
+
+@dataclass
+class Pool:
+    """Everything that was tried on one set of evidence."""
+
+    nominal: Trial
+    refit: Trial
+    tried: dict[frozenset[str], Trial] = field(default_factory=dict)
+    failures: dict[str, str] = field(default_factory=dict)  # effect: why it could not be tried
+
+    @property
+    def own(self) -> frozenset[str]:
+        """The effects that the nominal model has already."""
+        return frozenset(self.nominal.effects)
+
+    @property
+    def noise_floor(self) -> float:
+        """m: the innovation of whichever explanation leaves the least."""
+        trials = [self.nominal, self.refit, *self.tried.values()]
+        best = sorted(trials, key=lambda trial: trial.rmse)[:3]
+        return min(min(innovation(trial.errors), trial.rmse) for trial in best)
+
+    def add(self, trial: Trial) -> None:
+        """Keep a trial unless a better one of the same effects is there."""
+        effects = frozenset(trial.effects) - self.own
+        known = self.tried.get(effects)
+        if effects and (known is None or trial.fitted_rmse < known.fitted_rmse):
+            self.tried[effects] = trial
+
+    def best(self, size: int, count: int) -> list[Trial]:
+        """The explanations with `size` effects that leave the least, best first."""
+        trials = [trial for effects, trial in self.tried.items() if len(effects) == size]
+        return sorted(trials, key=lambda trial: trial.rmse)[:count]
+
+
+def explore(
+    evidence: Evidence,
+    nominal: Trial,
+    refit: Trial,
+    candidates: Sequence[str],
+    progress: Progress = silent,
+    jobs: int = -1,
+) -> Pool:
+    """Try the candidates, alone and together, as far as there is anything to explain."""
+    pool = Pool(nominal, refit)
+    names = [name for name in candidates if name not in pool.own]
+    fitted = [name for name in names if not _is_chosen(name)]
+    bases = [base_of(evidence, refit), base_of(evidence, nominal)]
+    for trial in _round(evidence, bases, names, len(names), pool, progress, jobs):
+        pool.add(trial)
+    for size in range(1, MOST_EFFECTS):
+        best = pool.best(size, 1)
+        if not best or not _unexplained(best[0], pool) or not _worth_it(pool, size):
+            break
+        for leader in pool.best(size, BEAM):
+            if _closed(leader, pool) < RIVAL * _closed(best[0], pool):
+                continue
+            leader = refine(evidence, leader, POLISHED, 30)
+            pool.add(leader)
+            rest = [name for name in fitted if name not in leader.effects]
+            bases = [base_of(evidence, leader)]
+            for trial in _round(evidence, bases, rest, SECONDS, pool, progress, jobs):
+                pool.add(trial)
+    _check_backwards(evidence, pool)
+    _add_chosen(evidence, pool, names)
+    return pool
+
+
+def _unexplained(trial: Trial, pool: Pool) -> bool:
+    floor = pool.noise_floor
+    rest = removable(trial.rmse, floor)
+    return rest > max(UNEXPLAINED * floor, UNCLOSED * removable(pool.refit.rmse, floor))
+
+
+def _worth_it(pool: Pool, size: int) -> bool:
+    """Whether the last effect that was added closed a fair part of the gap."""
+    before = _closed(pool.best(size - 1, 1)[0], pool) if size > 1 else 0.0
+    return _closed(pool.best(size, 1)[0], pool) - before > FAIR_PART
+
+
+def _closed(trial: Trial, pool: Pool) -> float:
+    """The share of the gap, as an error, that an explanation closes."""
+    gap = removable(pool.refit.rmse, pool.noise_floor)
+    return 1.0 - removable(trial.rmse, pool.noise_floor) / gap if gap > 0.0 else 0.0
+
+
+def _check_backwards(evidence: Evidence, pool: Pool) -> None:
+    """Try the best explanation without each of its effects."""
+    best = min([pool.refit, *pool.tried.values()], key=lambda trial: trial.rmse)
+    added = [name for name in best.effects if name not in pool.own]
+    if len(added) < 2:
+        return
+    for name in added:
+        model = best.model.without([name])
+        free = tuple(key for key in best.free if key[0] != name)
+        start = Trial(model, free, best.initial_hysteresis, best.fitted_rmse)
+        pool.add(refine(evidence, start, POLISHED, 15))
+
+
+def _add_chosen(evidence: Evidence, pool: Pool, names: Sequence[str]) -> None:
+    """Put effects that are read off, not fitted (a sensor's grid), behind the best explanations."""
+    leaders = [trial for size in range(1, MOST_EFFECTS) for trial in pool.best(size, BEAM)]
+    for name in names:
+        if not _is_chosen(name) or name not in {n for effects in pool.tried for n in effects}:
+            continue
+        for leader in leaders:
+            if name not in leader.effects:
+                pool.add(_behind(evidence, leader, name))
+
+
+def _is_chosen(name: str) -> bool:
+    link = registry()[name]
+    return not link.random and not any(parameter.fitted for parameter in link.parameters)
+
+
+def _behind(evidence: Evidence, trial: Trial, name: str) -> Trial:
+    """A trial with an effect added that changes nothing in the fit."""
+    model = trial.model.with_link(name, **registry()[name].starts(evidence.scales)[0])
+    return judged(evidence, replace(trial, model=model))
+
+
+def _round(
+    evidence: Evidence,
+    bases: Sequence[Base],
+    names: Sequence[str],
+    most: int,
+    pool: Pool,
+    progress: Progress,
+    jobs: int,
+) -> Iterator[Trial]:
+    """Add each of some effects to the bases: all are screened, the `most` promising are fitted."""
+    tasks = [(evidence, bases, name) for name in names]
+    if most < len(names):
+        left: Mapping[str, float] = dict(side_by_side(_promise, tasks, jobs))
+        names = sorted(left, key=lambda name: left[name])[:most]
+        tasks = [(evidence, bases, name) for name in names]
+    progress("", 0, len(tasks))
+    for done, (name, trial, why) in enumerate(side_by_side(attempt, tasks, jobs), start=1):
+        progress(name, done, len(tasks))
+        if trial is not None:
+            yield trial
+        else:
+            pool.failures[name] = why
+
+
+def _promise(evidence: Evidence, bases: Sequence[Base], name: str) -> tuple[str, float]:
+    with np.errstate(all="ignore"):
+        found = guesses(evidence, bases, name, 1)
+    return name, found[0].least if found else np.inf
+
+
+def attempt(evidence: Evidence, bases: Sequence[Base], name: str) -> tuple[str, Trial | None, str]:
+    """Add one effect to the bases: its name, the best fit, and why there is none."""
+    try:
+        with np.errstate(all="ignore"):  # a hopeless guess may overflow: it is then no start
+            return name, *_attempt(evidence, bases, name)
+    except (ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
+        return name, None, f"could not be fitted: {error}"
+
+
+def _attempt(evidence: Evidence, bases: Sequence[Base], name: str) -> tuple[Trial | None, str]:
+    link = registry()[name]
+    if not link.starts(evidence.scales):
+        return None, "nothing in the recordings to start from"
+    if _is_chosen(name):
+        return _behind(evidence, bases[0].trial, name), ""
+    starts = guesses(evidence, bases, name, STARTS)
+    fits = [extend(evidence, start.base, start.model, [name]) for start in starts]
+    found = [fit for fit in fits if fit is not None and np.isfinite(fit.fitted_rmse)]
+    if not found:
+        return None, "no start could be fitted"
+    best, before = min(found, key=lambda trial: trial.fitted_rmse), bases[0].trial.fitted_rmse
+    if abs(best.fitted_rmse - before) > NO_CHANGE * before:
+        # Far from the base its derivatives mislead.
+        return refine(evidence, best, ROUGH, 10), ""
+    return judged(evidence, best), ""

@@ -1,0 +1,109 @@
+"""What a diagnosis finds: plain data, as `diagnosis.json` and the report show it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from microgripper_control.core.recording import Recording
+from microgripper_control.core.signals import Array
+from microgripper_control.identification.nuisance import Conditions, Mask
+from microgripper_control.plant.model import Model, Setting
+
+NONE, PARAMETERS, EFFECTS, UNKNOWN = "none", "parameters", "effects", "unknown"
+
+
+@dataclass(frozen=True)
+class Range:
+    """A range of one axis and the share of the gap's power in it, 0 .. 1.
+
+    `axis` is one of frequency_Hz, displacement_m, voltage_V, rate_V_per_s, time_s, hold_time_s and
+    direction (-1 falling, 1 rising).
+    """
+
+    axis: str
+    low: float
+    high: float
+    share_of_gap: float
+
+
+@dataclass(frozen=True)
+class Signature:
+    """A fit-free test of what an effect predicts: `agrees` is None where the data cannot say."""
+
+    effect: str
+    agrees: bool | None
+    statement: str  # what was looked at and what was seen, in one sentence with numbers
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One possible answer: an effect, or one of none, parameters and unknown (stage None)."""
+
+    effect: str
+    stage: str | None
+    probability: float  # that it is the answer, or the largest of several; sums to one
+    present: float  # that it is at work at all
+    rmse: float | None  # m, on the judging samples; None where nothing was fitted
+    parameters: Mapping[str, Setting] = field(default_factory=dict)
+    share: float = 0.0  # of the closable gap that goes when it alone is added
+    signatures: tuple[Signature, ...] = ()
+    note: str = ""  # why it was not tried, what failed, a parameter at its bound
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Root mean square errors on the judging samples, m."""
+
+    nominal: float
+    refit: float
+    augmented: float
+    noise_floor: float
+    closed: float  # share of the removable error that the effects take away
+    closed_low: float
+    closed_high: float
+    free_form: float  # share that a free-form model of the residual could take away
+    separate: bool  # judged on recordings of their own, not on blocks held out
+
+
+@dataclass(frozen=True)
+class NextExperiment:
+    """A voltage to record next, and what it would tell apart."""
+
+    why: str
+    separates: tuple[str, ...]
+    sample_period: float  # s
+    voltage: Array  # V, shape (n,)
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A judging recording with what each model predicts of it, m, shape (n,) each."""
+
+    recording: Recording
+    counted: Mask
+    nominal: Array
+    refit: Array
+    augmented: Array
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """The whole answer."""
+
+    verdict: str
+    sentence: str  # the verdict as a technician understands it
+    effects: tuple[str, ...]  # most important first; empty unless the verdict is `effects`
+    candidates: tuple[Candidate, ...]  # largest probability first
+    stages: Mapping[str, float]
+    gap: Gap
+    where: tuple[Range, ...]
+    ambiguous: tuple[tuple[str, ...], ...]
+    next_experiment: NextExperiment | None
+    nominal: Model
+    refit: Model
+    model: Model  # with the effects added and fitted
+    conditions: Conditions
+    judged: tuple[Judged, ...]
+    shares: Mapping[str, float]  # of each diagnosed effect: what leaving it out would lose
+    warnings: tuple[str, ...] = ()

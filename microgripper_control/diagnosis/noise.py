@@ -1,0 +1,48 @@
+"""The noise floor: what of a residual nothing could predict.
+
+The floor is the innovation of the residual, what is new in each sample to whoever knows those
+before it. For white sensor noise that is all of it; hum, creep or a wrong model are predictable
+from their own past and do not count.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.linalg import solve_toeplitz
+
+from microgripper_control.core.signals import Array
+from microgripper_control.identification.confidence import autocorrelation_time
+
+ORDER = 16  # samples of the past
+
+
+def innovation(errors: Sequence[Array]) -> float:
+    """Standard deviation, m, of what each sample adds to the ORDER samples before it (Yule-Walker).
+
+    `errors` are stretches of residual, m, without gaps.
+    """
+    covariance = np.zeros(ORDER + 1)
+    count = 0
+    for error in errors:
+        if len(error) <= 2 * ORDER:
+            continue
+        covariance += [float(error[lag:] @ error[: len(error) - lag]) for lag in range(ORDER + 1)]
+        count += len(error)
+    if count == 0 or covariance[0] <= 0.0:
+        return 0.0
+    covariance[0] *= 1.0 + 1e-9
+    weights = solve_toeplitz(covariance[:-1], covariance[1:])
+    left = float(covariance[0] - weights @ covariance[1:])
+    return float(np.sqrt(max(left, 0.0) / max(1, count - ORDER)))
+
+
+def independent_samples(errors: Sequence[Array]) -> float:
+    """How many independent samples a correlated residual amounts to."""
+    return float(sum(len(error) / autocorrelation_time(error) for error in errors))
+
+
+def removable(rmse: float, floor: float) -> float:
+    """e(r): the part of an error, m, that a better model could take away."""
+    return float(np.sqrt(max(rmse**2 - floor**2, 0.0)))

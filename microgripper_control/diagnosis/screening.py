@@ -1,0 +1,114 @@
+"""Which first guesses of an effect are worth a fit.
+
+A guess changes the simulated displacement by some course. What of it the base parameters cannot
+imitate, held against what the refit left over, tells how much of the gap the effect could take and
+how strong it would have to be: a score test, at the cost of one simulation a guess.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from microgripper_control.core.signals import Array
+from microgripper_control.diagnosis.evidence import Evidence
+from microgripper_control.diagnosis.trial import Base, problem_of
+from microgripper_control.effects.base import no_courses
+from microgripper_control.effects.registry import registry
+from microgripper_control.plant.model import Model
+
+RESCALED = 4  # guesses whose strength is corrected, and as many that are kept as they are
+STRONGEST = 30.0  # times, and weakest 1/30: the furthest correction
+IDLE = 1e-4  # of the gap's power: a guess that changes less is no start
+
+
+@dataclass(frozen=True)
+class Guess:
+    """A base, its model with an effect at first guess, and what a refit would leave, m^2."""
+
+    base: Base
+    model: Model
+    left: float  # with the effect as it is
+    least: float  # with the effect as strong as fits best
+    strength: float  # by how much it should be stronger for that
+    idle: bool  # whether it changes next to nothing
+
+
+def guesses(evidence: Evidence, bases: Sequence[Base], effect: str, wanted: int) -> list[Guess]:
+    """The best first guesses of an effect on any of some bases, best first, at most `wanted`."""
+    starts = registry()[effect].starts(evidence.scales)
+    found = [
+        guess
+        for base in bases
+        for values in starts
+        if (guess := _judge(evidence, base, base.trial.model.with_link(effect, **values)))
+    ]
+    for guess in sorted(found, key=lambda guess: guess.least)[:RESCALED]:
+        model = _stronger(guess.model, effect, guess.strength)
+        if model is not guess.model and (again := _judge(evidence, guess.base, model)):
+            found.append(again)
+    return sorted(found, key=lambda guess: (guess.idle, guess.left))[:wanted]
+
+
+def _judge(evidence: Evidence, base: Base, model: Model) -> Guess | None:
+    """What a refit could leave with a guess; None where it cannot be simulated."""
+    problem = problem_of(evidence, model, base.trial.free)
+    z = problem.point(model, base.trial.initial_hysteresis)
+    try:
+        residual = problem.residuals(z)
+    except (ValueError, FloatingPointError, np.linalg.LinAlgError):
+        return None
+    if residual.shape != base.residual.shape or not np.all(np.isfinite(residual)):
+        return None
+    rest, basis = base.residual, base.basis
+    if _has_courses(model):
+        rest = problem.projected(z, rest[:, None])[:, 0]
+        basis = np.linalg.qr(problem.projected(z, basis))[0]
+    without = _off(basis, rest)
+    change = without - _off(basis, residual)
+    power, size, match = (
+        float(a @ b) for a, b in ((without, without), (change, change), (change, without))
+    )
+    strength = match / size if size > 0.0 else 0.0
+    if _has_courses(model):
+        return Guess(
+            base, model, power - 2.0 * match + size, power - 2.0 * match + size, 1.0, False
+        )
+    return Guess(
+        base,
+        model,
+        left=power - 2.0 * match + size,
+        least=power - strength * match,
+        strength=strength,
+        idle=size < IDLE * power,
+    )
+
+
+def _has_courses(model: Model) -> bool:
+    """Whether an effect's own courses take something away that the base could not."""
+    return any(registry()[name].courses is not no_courses for name in model.effects)
+
+
+def _off(basis: Array, signal: Array) -> Array:
+    """What is left of a signal of shape (n,) without what the base parameters can do."""
+    left: Array = signal - basis @ (basis.T @ signal)
+    return left
+
+
+def _stronger(model: Model, effect: str, strength: float) -> Model:
+    """The model with the effect made stronger, as it is where its strength is no factor."""
+    values = model.values(effect)
+    changed = {}
+    for parameter in registry()[effect].parameters:
+        if parameter.vanishing != 0.0 or not parameter.fitted or values[parameter.name] == 0.0:
+            continue
+        if strength < 0.0 and parameter.low >= 0.0:
+            factor = 1.0 / STRONGEST
+        else:
+            size = min(STRONGEST, max(1.0 / STRONGEST, abs(strength)))
+            factor = size if strength > 0.0 else -size
+        value = factor * values[parameter.name]
+        changed[effect, parameter.name] = min(parameter.high, max(parameter.low, value))
+    return model.with_values(changed) if changed else model

@@ -1,0 +1,187 @@
+"""The verdict in words that a technician understands."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+from microgripper_control.core.quantities import number, percent, quantity
+from microgripper_control.diagnosis.findings import (
+    EFFECTS,
+    NONE,
+    PARAMETERS,
+    Candidate,
+    Gap,
+    Range,
+)
+from microgripper_control.diagnosis.noise import removable
+from microgripper_control.effects.base import Scales, Values
+from microgripper_control.effects.registry import registry
+from microgripper_control.plant.model import Model, Setting
+
+MOVED = 0.01  # of a parameter: a smaller correction is not spoken of
+MOST_MOVED = 3
+EXPLAINABLE = 0.2  # of a gap: less of it, and the voltage is hardly its cause
+
+# Of each axis: its unit, and where a range of it lies.
+PLACES = {
+    "frequency_Hz": ("Hz", "at frequencies {}"),
+    "displacement_m": ("m", "at displacements {}"),
+    "voltage_V": ("V", "at voltages {}"),
+    "rate_V_per_s": ("V/s", "while the voltage changes by {}"),
+    "time_s": ("s", "at times {}"),
+    "hold_time_s": ("s", "{} after the voltage has come to rest"),
+}
+
+
+def sentence(
+    verdict: str,
+    effects: Sequence[str],
+    gap: Gap,
+    nominal: Model,
+    model: Model,
+    candidates: Sequence[Candidate],
+    where: Sequence[Range],
+    scales: Scales,
+    ambiguous: Sequence[Sequence[str]] = (),
+) -> str:
+    """The verdict, the numbers behind it and how far the error shrinks, in a few plain sentences.
+
+    `nominal` is the model as given, `model` the one that the verdict stands for. `ambiguous` are
+    groups of effects that could stand for each other.
+    """
+    floor = f"noise floor {quantity(gap.noise_floor, 'm')}"
+    if verdict == NONE:
+        left = quantity(gap.nominal, "m")
+        return f"The model explains the recordings down to their noise: it leaves {left} ({floor})."
+    if verdict == PARAMETERS:
+        after = f"from {quantity(gap.nominal, 'm')} to {quantity(gap.augmented, 'm')} ({floor})"
+        return f"{_moved(nominal, model)} Fitting them again takes the held-out error {after}."
+    if verdict == EFFECTS:
+        groups = [_group(name, ambiguous) for name in effects]
+        known = {candidate.effect: candidate for candidate in candidates}
+        clauses = [_clause(group, gap, model, known, scales) for group in groups]
+        return " ".join([_sentence(clauses[0]), *map(_further, clauses[1:]), _shrunk(groups, gap)])
+    return _unexplained(gap, where, floor)
+
+
+def described(name: str, values: Values, scales: Scales) -> str:
+    """What an effect with these values does to the rig, as a clause."""
+    link = registry()[name]
+    return link.says(values, scales) if link.says else f"the rig shows {link.title}"
+
+
+def place(found: Range) -> str:
+    """Where a range lies, to be read after a verb."""
+    if found.axis == "direction":
+        if found.low < 0.0 < found.high:
+            return "on rising and falling voltage alike"
+        return f"on {'rising' if found.high > 0.0 else 'falling'} voltage"
+    unit, phrase = PLACES[found.axis]
+    if math.isinf(found.high):
+        return phrase.format(f"above {quantity(found.low, unit)}")
+    if math.isinf(found.low):
+        return phrase.format(f"below {quantity(found.high, unit)}")
+    ends = f"{quantity(found.low, unit)} to {quantity(found.high, unit)}"
+    return phrase.format(f"of {ends}" if phrase.startswith("at") else ends)
+
+
+def _sentence(clause: str) -> str:
+    return f"{clause[0].upper()}{clause[1:]}."
+
+
+def _further(clause: str) -> str:
+    return f"Besides, {clause}."
+
+
+def _plain(name: str) -> str:
+    """A canonical name as words."""
+    return name.replace("_", " ")
+
+
+def _group(name: str, ambiguous: Sequence[Sequence[str]]) -> tuple[str, ...]:
+    """An effect, first, and those that could stand for it."""
+    others = dict.fromkeys(other for group in ambiguous if name in group for other in group)
+    return (name, *(other for other in others if other != name))
+
+
+def _clause(
+    group: Sequence[str],
+    gap: Gap,
+    model: Model,
+    known: Mapping[str, Candidate],
+    scales: Scales,
+) -> str:
+    """What one effect does, or what each of several would that could stand for it."""
+    said = []
+    for name in group:
+        settings = known[name].parameters if name in known else {}
+        settings = model.settings.get(name, settings)
+        said.append(_with_size(name, settings, gap, known.get(name), scales))
+    if len(said) == 1:
+        return said[0]
+    return f"either {', or '.join(said)}; these recordings do not tell which"
+
+
+def _with_size(
+    name: str,
+    settings: Mapping[str, Setting],
+    gap: Gap,
+    candidate: Candidate | None,
+    scales: Scales,
+) -> str:
+    """An effect's clause; what each recording has for itself is as large as what it took away."""
+    link = registry()[name]
+    if not settings:
+        return f"the rig shows {link.title}"
+    clause = described(name, {key: setting.value for key, setting in settings.items()}, scales)
+    if link.random and candidate and candidate.rmse is not None:
+        clause += f" ({quantity(removable(gap.refit, candidate.rmse), 'm')} rms)"
+    return clause
+
+
+def _shrunk(groups: Sequence[Sequence[str]], gap: Gap) -> str:
+    added = " and ".join(" or ".join(map(_plain, group)) for group in groups)
+    low, high = (number(100.0 * end) for end in (gap.closed_low, gap.closed_high))
+    return (
+        f"Adding {added} takes the held-out error from {quantity(gap.refit, 'm')} to "
+        f"{quantity(gap.augmented, 'm')} (noise floor {quantity(gap.noise_floor, 'm')}): "
+        f"{percent(gap.closed)} [{low}, {high}] of what could be removed."
+    )
+
+
+def _moved(nominal: Model, model: Model) -> str:
+    """Which parameters the recordings correct, the most corrected first."""
+    changes = {}
+    for link, settings in nominal.settings.items():
+        for name, before in settings.items():
+            after = model.settings[link][name]
+            low, high = after.interval or (after.value, after.value)
+            change = (after.value - before.value) / abs(before.value) if before.value else 0.0
+            if abs(change) >= MOVED and not low <= before.value <= high:
+                changes[name] = change
+    most = sorted(changes, key=lambda name: -abs(changes[name]))[:MOST_MOVED]
+    if not most:
+        return "The model's parameters are a little off, and nothing else."
+    said = [
+        f"{name} by {'+' if changes[name] > 0.0 else ''}{percent(changes[name])}" for name in most
+    ]
+    return f"The model's parameters are off, and nothing else: {', '.join(said)}."
+
+
+def _unexplained(gap: Gap, where: Sequence[Range], floor: str) -> str:
+    """A real gap that no candidate explains."""
+    lies = ""
+    if where:
+        lies = f"; {percent(where[0].share_of_gap)} of its power lies {place(where[0])}"
+    if gap.free_form < EXPLAINABLE:
+        cause = "Hardly any of it follows from the voltage: look for a disturbance."
+    else:
+        cause = (
+            f"A free-form model closes {percent(gap.free_form)} of it from the voltage alone, "
+            "so there is something to be found."
+        )
+    return (
+        f"Something is missing that no known effect explains: after a refit the held-out error is "
+        f"still {quantity(gap.refit, 'm')} ({floor}){lies}. {cause}"
+    )

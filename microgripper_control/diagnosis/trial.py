@@ -1,0 +1,185 @@
+"""One explanation put to the test: base parameters and effects fitted together, then judged.
+
+Every explanation, the nominal model's too, has its base parameters refitted with it: otherwise a
+mistuned alpha would be blamed on whatever effect resembles it.
+
+A gap is small against the stroke, so the derivatives by the base parameters hardly change when an
+effect is added. They are taken once, at the refit, and kept while an effect is fitted (the chord
+method); only the explanation that is finally chosen is polished with all derivatives fresh.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from microgripper_control.core.signals import Array
+from microgripper_control.diagnosis.evidence import Evidence, rms
+from microgripper_control.effects.registry import registry
+from microgripper_control.identification.nuisance import fit_nuisance
+from microgripper_control.identification.problem import Problem
+from microgripper_control.plant.model import Key, Model
+
+TOLERANCE = 1e-3  # relative, of the squares and of the step, with the chord method
+FINE = 1e-7  # the same, of what is reported
+EVALUATIONS = 8  # of one start, with the chord method
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A fitted explanation and, once it is judged, what it leaves, m, on the samples that judge."""
+
+    model: Model
+    free: tuple[Key, ...]
+    initial_hysteresis: tuple[float, ...]  # m, of each fitted recording
+    fitted_rmse: float  # m, on the fitted samples
+    errors: tuple[Array, ...] = ()  # m, of each judged recording; none before it is judged
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """The links it has beyond the paper's plant."""
+        return self.model.effects
+
+    @cached_property
+    def rmse(self) -> float:
+        """Root mean square error on the judging samples, m."""
+        return rms(self.errors)
+
+
+@dataclass(frozen=True)
+class Base:
+    """An explanation to build on, with the derivatives of its residuals."""
+
+    trial: Trial
+    residual: Array  # m, shape (samples,), what is left of the fitted samples
+    jacobian: Array  # shape (samples, p), scaled as its problem has it
+    scales: Array  # shape (p,), the unit of each column
+
+    @cached_property
+    def basis(self) -> Array:
+        """Orthonormal, shape (samples, <= p): what the base parameters can do to the residual."""
+        seen = np.linalg.norm(self.jacobian, axis=0) > 0.0
+        basis: Array = np.linalg.qr(self.jacobian[:, seen])[0]
+        return basis
+
+
+def fitted_keys(model: Model, links: Sequence[str]) -> tuple[Key, ...]:
+    """What a trial fits of some links: all that can be fitted and is not frozen."""
+    return tuple(
+        (link, name)
+        for link in links
+        for name, setting in model.settings[link].items()
+        if registry()[link].parameter(name).fitted and not setting.frozen
+    )
+
+
+def problem_of(evidence: Evidence, model: Model, free: Sequence[Key]) -> Problem:
+    """The least-squares problem of a model on the fitted samples."""
+    return Problem(model, evidence.fitted, evidence.conditions, tuple(free), evidence.used)
+
+
+def starting_hysteresis(evidence: Evidence, model: Model) -> tuple[float, ...]:
+    """h, m, that each fitted recording starts with according to a model."""
+    return tuple(
+        fit_nuisance(model, recording, evidence.conditions, used).initial_hysteresis
+        for recording, used in zip(evidence.fitted, evidence.used, strict=True)
+    )
+
+
+def base_of(evidence: Evidence, trial: Trial) -> Base:
+    """The derivatives at a trial."""
+    problem = problem_of(evidence, trial.model, trial.free)
+    z = problem.point(trial.model, trial.initial_hysteresis)
+    scales = np.append(problem.scales, problem.hysteresis_scales)
+    return Base(trial, problem.residuals(z), problem.jacobian(z), scales)
+
+
+def refine(
+    evidence: Evidence, trial: Trial, tolerance: float = FINE, evaluations: int = 40
+) -> Trial:
+    """Fit on from a trial with all derivatives fresh, and judge what comes out."""
+    problem = problem_of(evidence, trial.model, trial.free)
+    z = problem.point(trial.model, trial.initial_hysteresis)
+    if len(z) == 0:
+        return trial
+    squares, z = _descend(problem, z, problem.jacobian, tolerance, evaluations)
+    return judged(evidence, trial_at(problem, z, squares))
+
+
+def unfitted(evidence: Evidence, trial: Trial) -> Trial:
+    """The same values on other evidence, judged."""
+    problem = problem_of(evidence, trial.model, trial.free)
+    z = problem.point(trial.model, trial.initial_hysteresis)
+    residuals = problem.residuals(z)
+    return judged(evidence, trial_at(problem, z, float(residuals @ residuals)))
+
+
+def extend(evidence: Evidence, base: Base, model: Model, added: Sequence[str]) -> Trial | None:
+    """Fit `model`, the base's with the links `added`; not judged yet, None if that fails."""
+    kept = base.trial.free
+    new = tuple(key for key in fitted_keys(model, added) if key not in kept)
+    problem = problem_of(evidence, model, (*kept, *new))
+    z = problem.point(model, base.trial.initial_hysteresis)
+    if len(z) != base.jacobian.shape[1] + len(new):
+        return None
+    scales = np.append(problem.scales, problem.hysteresis_scales)
+    count, size = len(kept), len(problem.free)
+
+    def jacobian(z: Array) -> Array:
+        columns = np.empty((base.jacobian.shape[0], len(z)), order="F")
+        columns[:, :count] = base.jacobian[:, :count] * (scales[:count] / base.scales[:count])
+        columns[:, size:] = base.jacobian[:, count:] * (scales[size:] / base.scales[count:])
+        columns = problem.projected(z, columns)
+        columns[:, count:size] = problem.columns(z, range(count, size))
+        return columns
+
+    try:
+        squares, z = _descend(problem, z, jacobian, TOLERANCE, EVALUATIONS)
+    except (ValueError, FloatingPointError, np.linalg.LinAlgError):
+        return None
+    return trial_at(problem, z, squares)
+
+
+def trial_at(problem: Problem, z: Array, squares: float) -> Trial:
+    """The trial at a point of a problem with its sum of squares, m^2; not judged."""
+    count = sum(int(np.count_nonzero(mask)) for mask in problem.masks)
+    return Trial(
+        model=problem.model_at(z),
+        free=problem.free,
+        initial_hysteresis=tuple(problem.initial_hysteresis(z)),
+        fitted_rmse=float(np.sqrt(squares / count)),
+    )
+
+
+def judged(evidence: Evidence, trial: Trial) -> Trial:
+    """The trial with what it leaves on the judging samples."""
+    return replace(trial, errors=tuple(evidence.errors(trial.model)))
+
+
+def _descend(
+    problem: Problem,
+    z: Array,
+    jacobian: Callable[[Array], Array],
+    tolerance: float,
+    evaluations: int,
+) -> tuple[float, Array]:
+    """Least squares from a point: the sum of squares, m^2, and where."""
+    low, high = problem.bounds
+    unit = 1e9  # nm: squares of metres are lost beside the solver's own tolerances
+    best = least_squares(
+        lambda z: unit * problem.residuals(z),
+        np.clip(z, low, high),
+        jac=lambda z: unit * jacobian(z),
+        bounds=(low, high),
+        method="trf",
+        x_scale="jac",
+        ftol=tolerance,
+        xtol=tolerance,
+        gtol=None,
+        max_nfev=evaluations,
+    )
+    return 2.0 * float(best.cost) / unit**2, np.asarray(best.x)

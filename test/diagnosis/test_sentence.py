@@ -1,0 +1,179 @@
+"""The verdict in words: every effect's clause holds its numbers in practical units."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from microgripper_control.diagnosis.findings import (
+    EFFECTS,
+    NONE,
+    PARAMETERS,
+    UNKNOWN,
+    Candidate,
+    Gap,
+    Range,
+)
+from microgripper_control.diagnosis.sentence import described, place, sentence
+from microgripper_control.effects.base import Scales, no_starts
+from microgripper_control.effects.registry import registry
+from microgripper_control.plant.model import Model, Setting, nominal_model
+
+SCALES = Scales(1e-3, 44.0, (0.0, 160.0), 500.0, (0.0, 20e-6), 5e7, 1e-6)
+GAP = Gap(90e-9, 69e-9, 17e-9, 15e-9, 0.881, 0.84, 0.91, 0.82, True)
+PAPER = nominal_model()
+
+CLAUSES = [
+    ("amplifier_lag", {"lag": 5.2e-4, "curvature": 0.0}, ["amplifier", "520 µs", "first order"]),
+    ("amplifier_lag", {"lag": 2.5e-3, "curvature": 0.25}, ["2.5 ms", "second order"]),
+    (
+        "slew_limit",
+        {"rise": 4e-5, "fall": 5e-5},
+        ["rises by 25000 V/s at most", "falls by 20000 V/s"],
+    ),
+    ("slew_limit", {"rise": 4e-3, "fall": 0.0}, ["voltage rises by 250 V/s at most"]),
+    ("saturation", {"low": -1e4, "high": 148.0, "softness": 0.5}, ["saturates above 148 V"]),
+    ("saturation", {"low": 12.0, "high": 1e4, "softness": 8.0}, ["softly below 12.0 V"]),
+    ("transport_delay", {"delay": 2.7e-3}, ["a delay of 2.7 ms"]),
+    ("creep", {"strength": 0.012}, ["1.2 % of the step per decade of time"]),
+    ("creep", {"strength": 0.02, "fastest": 1.0, "slowest": 4.0}, ["1.2 % of", "within some 2 s"]),
+    ("rate_dependent_hysteresis", {"strength": 0.08}, ["widens by 8.0 % per decade of rate"]),
+    ("rate_dependent_hysteresis", {"strength": -0.08}, ["narrows by 8.0 %"]),
+    (
+        "asymmetric_hysteresis",
+        {"tilt": 1e-9, "bulge": 0.0, "twist": 0.0, "skew": 0.0},
+        ["lopsided", "%"],
+    ),
+    ("nonlinear_stiffness", {"quadratic": 5e10, "cubic": 0.0}, ["stiffens by 4.0 %"]),
+    ("nonlinear_stiffness", {"quadratic": 0.0, "cubic": -2.5e15}, ["softens by 6.0 %"]),
+    ("contact", {"position": 15.2e-6}, ["beyond x = 15.2 µm", "2.0 N for each µm"]),
+    ("contact", {"position": 2e-6, "side": -1.0, "exponent": 1.5}, ["below x = 2.00 µm", "depth"]),
+    ("friction", {"coulomb": 12.0, "stiffness": 2e7, "excess": 0.0}, ["600 nm", "12 N"]),
+    ("restoring_force_hysteresis", {"alpha": 2e6}, ["4.0 % stiffer", "8.3 µm"]),
+    ("backlash", {"play": 2.1e-7}, ["play", "210 nm"]),
+    ("extra_resonance", {"frequency": 212.4, "damping": 0.021}, ["212 Hz", "ratio 0.021"]),
+    ("sensor_lag", {"averaging": 2e-3, "time_constant": 0.0}, ["averages over 2.0 ms"]),
+    ("sensor_lag", {"averaging": 0.0, "time_constant": 2e-3}, ["time constant of 2.0 ms"]),
+    ("sensor_quantization", {"resolution": 1e-6}, ["steps of 1.0 µm"]),
+    ("thermal_drift", {}, ["drifts", "whatever the voltage does"]),
+    ("mains_hum", {"frequency": 49.98}, ["50.0 Hz"]),
+]
+
+
+def with_effect(model: Model, name: str, **values: float) -> Model:
+    return model.with_link(name, **values)
+
+
+def candidate(name: str, rmse: float, **values: float) -> Candidate:
+    settings = with_effect(PAPER, name, **values).settings[name]
+    return Candidate(name, registry()[name].stage.value, 0.5, 0.5, rmse, settings)
+
+
+@pytest.mark.parametrize(("name", "values", "expected"), CLAUSES, ids=lambda case: str(case)[:40])
+def test_a_clause_holds_its_numbers(
+    name: str, values: dict[str, float], expected: list[str]
+) -> None:
+    clause = described(name, with_effect(PAPER, name, **values).values(name), SCALES)
+    for part in expected:
+        assert part in clause
+    assert clause[0].islower()
+    assert not clause.endswith(".")
+
+
+def test_every_effect_that_is_diagnosed_has_a_clause_of_its_own() -> None:
+    diagnosed = {name for name, link in registry().items() if link.starts is not no_starts}
+    assert diagnosed == {name for name, *_ in CLAUSES}
+    assert all(registry()[name].says for name in diagnosed)
+
+
+def test_an_effect_without_a_clause_is_called_by_its_title() -> None:
+    values = {p.name: p.nominal for p in registry()["sensor_noise"].parameters}
+    assert described("sensor_noise", values, SCALES) == "the rig shows sensor noise"
+
+
+def test_the_issues_own_example() -> None:
+    model = with_effect(PAPER, "creep", strength=0.012)
+    said = sentence(EFFECTS, ["creep"], GAP, PAPER, model, [], [], SCALES)
+    assert said == (
+        "The rig creeps: after a step it goes on moving by 1.2 % of the step per decade of time. "
+        "Adding creep takes the held-out error from 69 nm to 17 nm (noise floor 15 nm): "
+        "88 % [84, 91] of what could be removed."
+    )
+
+
+def test_two_effects_are_both_told() -> None:
+    model = with_effect(with_effect(PAPER, "creep", strength=0.012), "backlash", play=2.1e-7)
+    said = sentence(EFFECTS, ["creep", "backlash"], GAP, PAPER, model, [], [], SCALES)
+    assert "1.2 %" in said
+    assert ". Besides, there is play between actuator and finger: 210 nm." in said
+    assert "Adding creep and backlash takes" in said
+
+
+def test_effects_that_cannot_be_told_apart_are_given_as_either_or() -> None:
+    model = with_effect(PAPER, "amplifier_lag", lag=2e-3, curvature=0.0)
+    rival = candidate("sensor_lag", 18e-9, averaging=0.0, time_constant=2.1e-3)
+    group = ("amplifier_lag", "sensor_lag")
+    said = sentence(EFFECTS, ["amplifier_lag"], GAP, PAPER, model, [rival], [], SCALES, [group])
+    assert said.startswith("Either the amplifier lags: it follows a ramp of the voltage 2.0 ms")
+    assert "or the sensor lags: it has a time constant of 2.1 ms; these recordings do not" in said
+    assert "Adding amplifier lag or sensor lag takes" in said
+
+
+def test_what_belongs_to_each_recording_is_as_large_as_what_it_took_away() -> None:
+    model = with_effect(PAPER, "mains_hum", frequency=50.0)
+    hum = candidate("mains_hum", math.sqrt(69e-9**2 - 35e-9**2))
+    said = sentence(EFFECTS, ["mains_hum"], GAP, PAPER, model, [hum], [], SCALES)
+    assert "at 50.0 Hz (35 nm rms)" in said
+
+
+def test_no_gap() -> None:
+    gap = Gap(15.2e-9, 15.1e-9, 15.2e-9, 15e-9, 0.0, 0.0, 0.0, 0.0, True)
+    said = sentence(NONE, [], gap, PAPER, PAPER, [], [], SCALES)
+    assert said == (
+        "The model explains the recordings down to their noise: "
+        "it leaves 15 nm (noise floor 15 nm)."
+    )
+
+
+def test_parameters_that_moved_are_named_and_undetermined_ones_are_not() -> None:
+    d, m = PAPER.value("bouc_wen", "d"), PAPER.value("second_order", "m")
+    changes = {
+        ("bouc_wen", "d"): Setting(1.091 * d, (1.08 * d, 1.10 * d)),
+        ("bouc_wen", "alpha"): Setting(0.0705, (0.070, 0.071)),
+        ("second_order", "m"): Setting(3.0 * m, (0.1 * m, 9.0 * m)),
+    }
+    refit = PAPER.with_settings(changes)
+    said = sentence(PARAMETERS, [], GAP, PAPER, refit, [], [], SCALES)
+    assert "alpha by -12 %, d by +9.1 %." in said
+    assert "from 90 nm to 17 nm" in said
+
+
+@pytest.mark.parametrize(("share", "expected"), [(0.82, "82 %"), (0.05, "disturbance")])
+def test_an_unknown_gap_says_how_large_where_and_whether_the_voltage_makes_it(
+    share: float, expected: str
+) -> None:
+    gap = Gap(90e-9, 69e-9, 69e-9, 15e-9, 0.0, 0.0, 0.0, share, True)
+    where = [Range("frequency_Hz", 12.0, 40.0, 0.6)]
+    said = sentence(UNKNOWN, [], gap, PAPER, PAPER, [], where, SCALES)
+    assert (
+        "still 69 nm (noise floor 15 nm); 60 % of its power lies at frequencies of 12 Hz to 40 Hz."
+        in said
+    )
+    assert expected in said
+
+
+@pytest.mark.parametrize(
+    ("found", "expected"),
+    [
+        (Range("direction", 0.0, 1.0, 1.0), "on rising voltage"),
+        (Range("direction", -1.0, 1.0, 1.0), "on rising and falling voltage alike"),
+        (Range("hold_time_s", 0.1, 5.0, 1.0), "100 ms to 5.0 s after the voltage has come to rest"),
+        (Range("displacement_m", 15e-6, math.inf, 1.0), "at displacements above 15 µm"),
+        (Range("voltage_V", -math.inf, 20.0, 1.0), "at voltages below 20 V"),
+        (Range("rate_V_per_s", 100.0, 500.0, 1.0), "while the voltage changes by 100 V/s to 500"),
+        (Range("time_s", 1.0, 9.0, 1.0), "at times of 1.0 s to 9.0 s"),
+    ],
+)
+def test_places_read_as_words(found: Range, expected: str) -> None:
+    assert place(found).startswith(expected)

@@ -1,0 +1,129 @@
+"""Fit-free tests: each sees its own effect, and nothing in noise."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from planted_residuals import GAIN, NOISE, PERIOD, loops, motion, multisine, planted, staircase
+from scipy.signal import lfilter
+
+from microgripper_control.core.recording import Recording
+from microgripper_control.diagnosis.findings import Signature
+from microgripper_control.diagnosis.residuals import Residual
+from microgripper_control.diagnosis.signatures import signatures
+from microgripper_control.effects.registry import registry
+
+
+def said(residual: Residual) -> dict[str, Signature]:
+    return {one.effect: one for one in signatures([residual], NOISE)}
+
+
+def test_each_is_of_an_effect_of_the_library_and_says_something() -> None:
+    for effect, signature in said(planted(loops(), 0.0)).items():
+        assert effect in registry()
+        assert signature.statement.endswith(".")
+        assert len(signature.statement) > 20
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_white_noise_has_no_signature(seed: int) -> None:
+    drives = (loops(), staircase(seed=seed), multisine(seed=seed))
+    assert not [one for one in said(planted(drives[seed % 3], 0.0, seed)).values() if one.agrees]
+
+
+def test_hum_is_seen_and_its_absence_too() -> None:
+    voltage = loops()
+    hum = 40e-9 * np.sin(2.0 * np.pi * 50.0 * PERIOD * np.arange(len(voltage)))
+    seen = said(planted(voltage, hum))["mains_hum"]
+    assert seen.agrees
+    assert "50.0" in seen.statement
+    assert said(planted(voltage, 0.0))["mains_hum"].agrees is False
+
+
+def test_readings_on_a_grid() -> None:
+    voltage, step = loops(), 1e-7
+    residual = planted(voltage, 0.0)
+    read = step * np.rint(residual.recording.measured / step)
+    error = residual.error + read - residual.recording.measured
+    rounded = Residual(Recording("grid", PERIOD, voltage, read), error, residual.counted)
+    assert said(rounded)["sensor_quantization"].agrees
+    assert said(residual)["sensor_quantization"].agrees is False
+
+
+def test_creep_in_holds_and_its_opposite() -> None:
+    voltage = staircase(60000)
+    x, time = GAIN * voltage, PERIOD * np.arange(len(voltage))
+    grown = np.zeros(len(x))
+    for k in np.flatnonzero(np.diff(x)) + 1:
+        grown[k:] += 0.01 * (x[k] - x[k - 1]) * np.log10(1.0 + (time[k:] - time[k]) / 0.05)
+    assert said(planted(voltage, grown))["creep"].agrees
+    assert said(planted(voltage, -grown))["creep"].agrees is False
+    assert said(planted(loops(), 1e-7))["creep"].agrees is None
+
+
+def test_a_delay_keeps_the_amplitude_and_a_lag_loses_it() -> None:
+    voltage = multisine()
+    x = motion(voltage)
+    delayed = np.concatenate([np.full(3, x[0]), x[:-3]])
+    late = said(planted(voltage, delayed - x))
+    assert late["transport_delay"].agrees
+    assert not late["amplifier_lag"].agrees
+    decay = float(np.exp(-1.0 / 3.0))
+    lagged = lfilter([1.0 - decay], [1.0, -decay], x - x[0]) + x[0]
+    lag = said(planted(voltage, lagged - x))
+    assert lag["transport_delay"].agrees is False
+    assert lag["amplifier_lag"].agrees
+    assert lag["sensor_lag"].agrees
+
+
+def test_broad_motion_without_lateness_contradicts_delay_and_lag() -> None:
+    voltage = multisine()
+    found = said(planted(voltage, 2e-7 * np.sin(motion(voltage) / 2e-6)))
+    assert found["transport_delay"].agrees is False
+
+
+def test_contact_and_saturation_have_a_threshold() -> None:
+    voltage = multisine()
+    x = motion(voltage)
+    touched = said(planted(voltage, -0.05 * np.maximum(x - 11e-6, 0.0)))["contact"]
+    assert touched.agrees
+    assert "11" in touched.statement
+    clipped = said(planted(voltage, -0.1 * GAIN * np.maximum(voltage - 120.0, 0.0)))["saturation"]
+    assert clipped.agrees
+
+
+def test_drift_is_slow_and_not_the_voltages() -> None:
+    voltage = loops(30000)
+    drift = 3e-7 * (1.0 - np.exp(-PERIOD * np.arange(len(voltage)) / 20.0))
+    assert said(planted(voltage, drift))["thermal_drift"].agrees
+    assert said(planted(voltage, 1e-9 * voltage))["thermal_drift"].agrees is None
+
+
+def test_play_stays_behind_after_a_turn() -> None:
+    voltage = loops(30000, 1.3)
+    x = motion(voltage)
+    finger, played = x[0], []
+    for position in x.tolist():
+        finger = min(max(finger, position - 2e-7), position + 2e-7)
+        played.append(finger)
+    found = said(planted(voltage, np.array(played) - x))
+    assert found["backlash"].agrees
+    assert found["friction"].agrees
+
+
+def test_ringing_after_steps() -> None:
+    voltage = staircase()
+    decay, turn = np.exp(-0.04 * 2.0 * np.pi * 180.0 * PERIOD), 2.0 * np.pi * 180.0 * PERIOD
+    ringing = lfilter([1.0, -1.0], [1.0, -2.0 * decay * np.cos(turn), decay**2], motion(voltage))
+    found = said(planted(voltage, 0.1 * ringing))["extra_resonance"]
+    assert found.agrees
+
+
+def test_a_loop_that_widens_with_the_rate() -> None:
+    time = PERIOD * np.arange(40000)
+    phase = 2.0 * np.pi * np.cumsum(np.geomspace(0.2, 5.0, len(time))) * PERIOD
+    voltage = 75.0 - 70.0 * np.cos(phase)
+    pace = np.geomspace(0.2, 5.0, len(time))
+    wider = -60e-9 * np.sin(phase) * np.log10(pace / 0.2)
+    assert said(planted(voltage, wider))["rate_dependent_hysteresis"].agrees in (True, None)
+    assert said(planted(voltage, -wider))["rate_dependent_hysteresis"].agrees is not True

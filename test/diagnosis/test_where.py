@@ -1,0 +1,197 @@
+"""Where the gap lies: planted places are found, and nothing is where there is nothing."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from planted_residuals import (
+    GAIN,
+    NOISE,
+    PERIOD,
+    loops,
+    motion,
+    multisine,
+    planted,
+    staircase,
+)
+from scipy.signal import lfilter
+
+from microgripper_control.core.recording import Recording
+from microgripper_control.core.signals import Array
+from microgripper_control.diagnosis.findings import Range
+from microgripper_control.diagnosis.freeform import explainable
+from microgripper_control.diagnosis.holds import growth_in_holds
+from microgripper_control.diagnosis.residuals import Residual
+from microgripper_control.diagnosis.signatures import signatures
+from microgripper_control.diagnosis.where import locate, recent_rate
+
+
+def time_of(voltage: Array) -> Array:
+    return PERIOD * np.arange(len(voltage))
+
+
+def on(axis: str, found: list[Range]) -> Range:
+    """The one range of an axis."""
+    ranges = [one for one in found if one.axis == axis]
+    assert len(ranges) == 1, found
+    return ranges[0]
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_white_noise_is_nowhere(seed: int) -> None:
+    drives = (loops(), staircase(seed=seed), multisine(seed=seed))
+    assert locate([planted(drives[seed % 3], 0.0, seed)], NOISE) == []
+
+
+def test_a_gap_that_is_everywhere_alike_is_nowhere() -> None:
+    voltage = multisine()
+    rough = lfilter([1.0], [1.0, -0.5], np.random.default_rng(1).standard_normal(len(voltage)))
+    assert locate([planted(voltage, 40e-9 * rough)], NOISE) == []
+
+
+@pytest.mark.parametrize("mains", [49.97, 60.02])
+@pytest.mark.parametrize("size", [12e-9, 100e-9])
+def test_hum_is_a_line(mains: float, size: float) -> None:
+    voltage = loops()
+    hum = size * np.sin(2.0 * np.pi * mains * time_of(voltage) + 0.3)
+    first = locate([planted(voltage, hum)], NOISE)[0]
+    assert first.axis == "frequency_Hz"
+    assert first.low == pytest.approx(mains - 0.5, abs=0.1)
+    assert first.high == pytest.approx(mains + 0.5, abs=0.1)
+    assert first.share_of_gap > 0.5
+
+
+def test_a_resonance_is_a_band_around_it() -> None:
+    voltage = staircase()
+    decay, omega = np.exp(-0.04 * 2.0 * np.pi * 180.0 * PERIOD), 2.0 * np.pi * 180.0 * PERIOD
+    poles = [1.0, -2.0 * decay * np.cos(omega), decay**2]
+    ringing = lfilter([1.0, -1.0], poles, motion(voltage)) * 0.1
+    found = on("frequency_Hz", locate([planted(voltage, ringing)], NOISE))
+    assert found.low < 180.0 < found.high
+    assert found.high - found.low < 40.0
+
+
+def test_drift_is_slow() -> None:
+    voltage = loops(30000)
+    drift = 4e-7 * (1.0 - np.exp(-time_of(voltage) / 20.0))
+    found = on("frequency_Hz", locate([planted(voltage, drift)], NOISE))
+    assert (found.low, found.high) == (0.0, 0.2)
+    assert found.share_of_gap > 0.8
+
+
+@pytest.mark.parametrize("voltage", [loops(), multisine()], ids=["loops", "multisine"])
+def test_contact_begins_at_its_position_even_behind_a_refit(voltage: Array) -> None:
+    x = motion(voltage)
+    pressed = -0.05 * np.maximum(x - 11e-6, 0.0)
+    # As a refit would: gain and zero are taken away.
+    columns = np.stack([x, np.ones(len(x))], axis=1)
+    left = pressed - columns @ np.linalg.lstsq(columns, pressed, rcond=None)[0]
+    found = on("displacement_m", locate([planted(voltage, left)], NOISE))
+    assert found.low == pytest.approx(11e-6, abs=0.6e-6)
+    assert found.high == pytest.approx(x.max(), rel=0.02)
+
+
+def test_a_smooth_curve_is_no_contact() -> None:
+    voltage = loops()
+    x = (motion(voltage) / GAIN - 75.0) / 75.0
+    found = locate([planted(voltage, 200e-9 * (x**3 - 0.6 * x))], NOISE)
+    assert not [one for one in found if one.axis == "displacement_m" and one.low > -1.0]
+
+
+def test_saturation_begins_at_its_level() -> None:
+    voltage = loops()
+    missing = -GAIN * 0.1 * np.maximum(voltage - 120.0, 0.0)
+    found = on("voltage_V", locate([planted(voltage, missing)], NOISE))
+    assert found.low == pytest.approx(120.0, abs=5.0)
+    assert found.high == pytest.approx(voltage.max())
+
+
+def test_a_slip_lasts_from_its_instant_to_the_end() -> None:
+    voltage = loops(30000)
+    slip = np.where(time_of(voltage) > 18.3, 2e-7, 0.0)
+    found = on("time_s", locate([planted(voltage, slip)], NOISE))
+    assert found.low == pytest.approx(18.3, abs=0.2)
+    assert found.high == pytest.approx(30.0, abs=0.1)
+
+
+def crept(voltage: Array, per_decade: float) -> Array:
+    """Logarithmic growth after each step, m."""
+    x, time = GAIN * voltage, time_of(voltage)
+    grown = np.zeros(len(x))
+    for k in np.flatnonzero(np.diff(x)) + 1:
+        grown[k:] += per_decade * (x[k] - x[k - 1]) * np.log10(1.0 + (time[k:] - time[k]) / 0.05)
+    return grown
+
+
+def test_creep_goes_on_through_the_holds() -> None:
+    voltage = staircase()
+    found = on("hold_time_s", locate([planted(voltage, crept(voltage, 0.01))], NOISE))
+    assert found.low == pytest.approx(0.1)
+    assert found.high == pytest.approx(1.5, abs=0.05)
+
+
+def test_the_growth_of_creep_per_decade_is_read_off_the_holds() -> None:
+    voltage = staircase(60000)
+    growth = growth_in_holds([planted(voltage, crept(voltage, 0.01))], 0.1)
+    assert growth is not None
+    assert growth.per_decade == pytest.approx(0.01, rel=0.3)
+    assert growth.certainty > 4.0
+
+
+def test_error_after_fast_changes_alone() -> None:
+    steps = np.repeat(staircase(300000)[::1500], 150)
+    voltage = loops(30000) / 3.0 + np.where(np.arange(30000) // 3000 % 4 < 2, steps[:30000], 0.0)
+    late = np.where(recent_rate(planted(voltage, 0.0)) > 5e3, 3e-7, 0.0)
+    found = on("rate_V_per_s", locate([planted(voltage, late, odd=True)], NOISE))
+    assert found.low > 300.0
+    assert found.share_of_gap > 0.9
+
+
+def test_one_direction_alone() -> None:
+    voltage = loops()
+    rising = np.gradient(voltage) > 0.0
+    shape = np.sin(2.0 * np.pi * 3.1 * time_of(voltage))
+    found = on("direction", locate([planted(voltage, np.where(rising, 1e-7 * shape, 0.0))], NOISE))
+    assert (found.low, found.high) == (1.0, 1.0)
+
+
+def test_runs_and_holds_of_a_residual() -> None:
+    residual = planted(staircase(), 0.0)
+    assert [run.stop - run.start for run in residual.runs(100)] == [3000] * 5
+    holds = residual.holds(1.0)
+    assert all(hold.stop - hold.start == 1499 for hold in holds)
+    assert float(np.nanmax(residual.hold_time)) == pytest.approx(1.499)
+    assert isinstance(residual, Residual)
+
+
+def cut(residual: Residual, count: int) -> Residual:
+    """Its first samples."""
+    recording = residual.recording
+    short = Recording("short", PERIOD, recording.voltage[:count], recording.measured[:count])
+    return Residual(short, residual.error[:count], np.arange(count) % 10 > 4)
+
+
+@pytest.mark.parametrize("noise", [0.0, NOISE])
+@pytest.mark.parametrize("count", [12, 150, 2000])
+def test_little_or_perfect_data_are_no_failure(count: int, noise: float) -> None:
+    residual = cut(planted(loops(), 0.0), count)
+    perfect = replace(residual, error=np.zeros(count))
+    assert locate([perfect], noise) == []
+    assert {one.agrees for one in signatures([perfect], noise)} <= {None, False}
+    assert explainable([perfect], [perfect], noise) == 0.0
+    locate([residual], noise)
+    signatures([residual], noise)
+    explainable([residual], [residual], noise)
+
+
+def test_recordings_of_two_clocks_go_together() -> None:
+    voltage = loops()
+    hum = 100e-9 * np.sin(2.0 * np.pi * 50.0 * time_of(voltage))
+    one = planted(voltage, hum)
+    half = Recording("half", 2.0 * PERIOD, voltage[::2].copy(), one.recording.measured[::2].copy())
+    other = Residual(half, one.error[::2], one.counted[::2])
+    found = [place for place in locate([one, other], NOISE) if place.axis == "frequency_Hz"]
+    assert found
+    assert all(place.low < 50.0 < place.high for place in found)
