@@ -18,7 +18,7 @@ from microgripper_control.diagnosis.screening import guesses
 from microgripper_control.diagnosis.trial import Base, Trial, base_of, extend, judged, refine
 from microgripper_control.effects.registry import registry
 
-STARTS = 3  # best first guesses that are fitted
+STARTS = 2  # best first guesses that are fitted
 MOST_EFFECTS = 3
 BEAM = 2  # explanations that a further effect is added to
 SECONDS = 5  # further effects that are fitted, the most promising
@@ -26,7 +26,8 @@ UNEXPLAINED = 0.3  # of the noise floor: a structured rest above it asks for ano
 UNCLOSED = 0.1  # if it is more of the gap than a law leaves that is right but not the rig's own
 FAIR_PART = 0.12  # of the gap; two independent effects of one size close 0.3 of it each
 RIVAL = 0.7  # of what the best closes: what the second must close to be a leader as well
-NO_CHANGE = 0.02  # of the error: an effect that does less is left as the chord method has it
+REFINED = 4  # explanations of a round that are fitted on with all derivatives fresh,
+NEAR = 1.6  # if they leave less than so many times what the best leaves
 ROUGH, POLISHED = 1e-3, 1e-5  # tolerances
 
 Progress = Callable[[str, int, int], None]  # what is being tried, how many are done, of how many
@@ -87,10 +88,11 @@ def explore(
         pool.add(trial)
     for size in range(1, MOST_EFFECTS):
         best = pool.best(size, 1)
-        if not best or not _unexplained(best[0], pool) or not _worth_it(pool, size):
+        if not best or not _unexplained(best, pool) or not _worth_it(pool, size):
             break
         for leader in pool.best(size, BEAM):
-            if _closed(leader, pool) < RIVAL * _closed(best[0], pool):
+            follower = _closed(leader, pool) < RIVAL * _closed(best[0], pool)
+            if follower or not _unexplained(pool.best(size + 1, 1) or best, pool):
                 continue
             leader = refine(evidence, leader, POLISHED, 30)
             pool.add(leader)
@@ -103,9 +105,10 @@ def explore(
     return pool
 
 
-def _unexplained(trial: Trial, pool: Pool) -> bool:
+def _unexplained(best: Sequence[Trial], pool: Pool) -> bool:
+    """Whether the best explanation leaves more than a right law would."""
     floor = pool.noise_floor
-    rest = removable(trial.rmse, floor)
+    rest = removable(best[0].rmse, floor)
     return rest > max(UNEXPLAINED * floor, UNCLOSED * removable(pool.refit.rmse, floor))
 
 
@@ -172,12 +175,25 @@ def _round(
         names = sorted(left, key=lambda name: left[name])[:most]
         tasks = [(evidence, bases, name) for name in names]
     progress("", 0, len(tasks))
+    found = []
     for done, (name, trial, why) in enumerate(side_by_side(attempt, tasks, jobs), start=1):
         progress(name, done, len(tasks))
         if trial is not None:
-            yield trial
+            found.append(trial)
         else:
             pool.failures[name] = why
+    yield from found
+    # Far from the base its derivatives mislead: the best go on with fresh ones.
+    best = sorted((t for t in found if t.free != bases[0].trial.free), key=lambda t: t.fitted_rmse)
+    near = [t for t in best[:REFINED] if t.fitted_rmse < NEAR * best[0].fitted_rmse]
+    progress("the best of them", 0, 1)
+    yield from side_by_side(polish, [(evidence, trial) for trial in near], jobs)
+
+
+def polish(evidence: Evidence, trial: Trial) -> Trial:
+    """Fit on with all derivatives fresh."""
+    with np.errstate(all="ignore"):
+        return refine(evidence, trial, ROUGH, 12)
 
 
 def _promise(evidence: Evidence, bases: Sequence[Base], name: str) -> tuple[str, float]:
@@ -206,8 +222,4 @@ def _attempt(evidence: Evidence, bases: Sequence[Base], name: str) -> tuple[Tria
     found = [fit for fit in fits if fit is not None and np.isfinite(fit.fitted_rmse)]
     if not found:
         return None, "no start could be fitted"
-    best, before = min(found, key=lambda trial: trial.fitted_rmse), bases[0].trial.fitted_rmse
-    if abs(best.fitted_rmse - before) > NO_CHANGE * before:
-        # Far from the base its derivatives mislead.
-        return refine(evidence, best, ROUGH, 10), ""
-    return judged(evidence, best), ""
+    return judged(evidence, min(found, key=lambda trial: trial.fitted_rmse)), ""

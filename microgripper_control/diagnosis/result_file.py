@@ -14,6 +14,7 @@ from microgripper_control.effects.registry import registry
 from microgripper_control.plant.model import Setting
 
 SCHEMA = "microgripper-diagnosis/1"
+RESULT = "diagnosis.json"
 NEXT_EXPERIMENT = "next_experiment.csv"
 
 
@@ -42,7 +43,7 @@ def write_result(found: Diagnosis, folder: Path) -> None:
     """Write `diagnosis.json` and the next experiment's voltage into a folder."""
     if found.next_experiment:
         _write_voltage(found.next_experiment, folder / NEXT_EXPERIMENT)
-    with written_whole(folder / "diagnosis.json") as file:
+    with written_whole(folder / RESULT) as file:
         json.dump(as_json(found, folder), file, indent=2, allow_nan=False)
         file.write("\n")
 

@@ -79,7 +79,12 @@ def fitted_keys(model: Model, links: Sequence[str]) -> tuple[Key, ...]:
 
 def problem_of(evidence: Evidence, model: Model, free: Sequence[Key]) -> Problem:
     """The least-squares problem of a model on the fitted samples."""
-    return Problem(model, evidence.fitted, evidence.conditions, tuple(free), evidence.used)
+    limits = {
+        (link, name): bounds
+        for link in model.settings
+        for name, bounds in registry()[link].plausible(evidence.scales).items()
+    }
+    return Problem(model, evidence.fitted, evidence.conditions, tuple(free), evidence.used, limits)
 
 
 def starting_hysteresis(evidence: Evidence, model: Model) -> tuple[float, ...]:

@@ -120,6 +120,16 @@ def no_starts(scales: Scales) -> Sequence[Values]:
 Says = Callable[[Values, Scales], str]
 
 
+# plausible(scales): the ranges, as (lowest, highest) by name, in which a diagnosis looks for the
+# link's parameters on the rig at hand; for those left out it is the declared range.
+Plausible = Callable[[Scales], Mapping[str, tuple[float, float]]]
+
+
+def as_declared(scales: Scales) -> Mapping[str, tuple[float, float]]:
+    """A link whose declared ranges will do."""
+    return {}
+
+
 def no_part_of_its_own(values: Values, timing: Timing, levels: Array) -> Prepared:
     """A force has no place on the bus: it acts inside the mechanics' solve."""
     return Prepared(np.zeros((1, 0)), np.zeros(0), timing.ramped)
@@ -194,6 +204,7 @@ class Link:
     courses: Courses = no_courses
     observed: Observed = nothing_observed
     starts: Starts = no_starts
+    plausible: Plausible = as_declared
     says: Says | None = None  # the title does without
     nominal: bool = False  # part of the paper's plant, always there
     follows: bool = False  # the course between the samples matters to it

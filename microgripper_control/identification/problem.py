@@ -7,8 +7,8 @@ eliminated from every residual by projection (variable projection, Golub and Per
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -42,6 +42,7 @@ class Problem:
     conditions: Conditions
     free: tuple[Key, ...]
     used: Sequence[Mask] | None = None
+    limits: Mapping[Key, tuple[float, float]] = field(default_factory=dict)  # within the declared
 
     @cached_property
     def masks(self) -> list[Mask]:
@@ -77,11 +78,15 @@ class Problem:
     @property
     def bounds(self) -> tuple[Array, Array]:
         """Lower and upper bounds of z."""
-        declared = [registry()[link].parameter(name) for link, name in self.free]
+        ranges = [self._range(key) for key in self.free]
         count = len(self.hysteresis_scales)
-        low = np.array([p.low for p in declared]) / self.scales
-        high = np.array([p.high for p in declared]) / self.scales
+        low = np.array([low for low, _ in ranges]) / self.scales
+        high = np.array([high for _, high in ranges]) / self.scales
         return np.append(low, np.full(count, -1.0)), np.append(high, np.full(count, 1.0))
+
+    def _range(self, key: Key) -> tuple[float, float]:
+        declared = registry()[key[0]].parameter(key[1])
+        return self.limits.get(key, (declared.low, declared.high))
 
     def point(self, model: Model, initial_hysteresis: Sequence[float]) -> Array:
         """The z of a model and the h that each recording starts with, m."""
@@ -94,9 +99,9 @@ class Problem:
         """The model at a point."""
         values = {}
         for key, size, scale in zip(self.free, z, self.scales, strict=False):
-            declared = registry()[key[0]].parameter(key[1])
+            low, high = self._range(key)
             # Rounding in the scaling may carry a value on its bound just past it.
-            values[key] = float(min(declared.high, max(declared.low, size * scale)))
+            values[key] = float(min(high, max(low, size * scale)))
         return self.model.with_values(values)
 
     def initial_hysteresis(self, z: Array) -> list[float]:

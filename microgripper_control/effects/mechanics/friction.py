@@ -8,7 +8,7 @@ viscous term is not repeated: the mechanics' b is one.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import quantity
@@ -61,6 +61,11 @@ def says(values: Values, scales: Scales) -> str:
     )
 
 
+def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
+    """What sticks stiffer than the rig itself just sticks: no recording tells how stiff."""
+    return {"stiffness": (1e-3 * scales.stiffness, scales.stiffness)}
+
+
 LINK = Link(
     name="friction",
     stage=Stage.MECHANICS,
@@ -77,5 +82,6 @@ LINK = Link(
         ),
     ),
     starts=starts,
+    plausible=plausible,
     says=says,
 )

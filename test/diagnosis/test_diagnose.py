@@ -1,0 +1,182 @@
+"""Whole diagnoses of planted rigs: the base parameters are off, the sensor is noisy."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from microgripper_control.cli.main import app
+from microgripper_control.core.recording import Recording
+from microgripper_control.core.signals import Array
+from microgripper_control.diagnosis import exploration
+from microgripper_control.diagnosis.diagnose import candidate_names, diagnose
+from microgripper_control.diagnosis.findings import EFFECTS, NONE, PARAMETERS
+from microgripper_control.plant.model import Model
+from microgripper_control.plant.model_file import load_model, save_model
+from microgripper_control.plant.simulate import simulate
+from microgripper_control.recordings.write import write_csv
+
+PERIOD, NOISE = 1e-3, 15e-9
+MISTUNED = {"d": 1.07, "alpha": 0.92, "beta": 1.1, "gamma": 0.93}
+
+
+def course(seconds: float, seed: int) -> Array:
+    """Slow loops, steps with holds and a multisine, V, a third each."""
+    rng = np.random.default_rng(seed)
+    third = round(seconds / PERIOD / 3)
+    t = PERIOD * np.arange(third)
+    loops = 70.0 * (1.0 - np.cos(2.0 * np.pi * 0.8 * t)) * np.linspace(1.0, 0.4, third)
+    steps = np.repeat(rng.uniform(10.0, 140.0, 5), -(-third // 5))[:third]
+    phases = rng.uniform(0.0, 2.0 * np.pi, 5)
+    rates = (0.9, 2.3, 6.1, 14.0, 29.0)
+    sines = sum(np.sin(2.0 * np.pi * f * t + p) for f, p in zip(rates, phases, strict=True))
+    return np.concatenate([loops, steps, 75.0 + 20.0 * np.asarray(sines)])
+
+
+def record(rig: Model, seconds: float, seed: int) -> Recording:
+    voltage = course(seconds, seed)
+    noise = NOISE * np.random.default_rng(1000 + seed).standard_normal(len(voltage))
+    return Recording(f"run {seed}", PERIOD, voltage, simulate(rig, voltage, PERIOD) + noise)
+
+
+@pytest.fixture(scope="module")
+def paper() -> Model:
+    return load_model(Path(__file__).parents[2] / "config" / "apa120s.yaml")
+
+
+@pytest.fixture
+def mistuned(paper: Model) -> Callable[[Model], Model]:
+    def off(model: Model) -> Model:
+        return model.with_values(
+            {("bouc_wen", n): f * model.value("bouc_wen", n) for n, f in MISTUNED.items()}
+        )
+
+    return off
+
+
+def test_a_right_model_needs_nothing(paper: Model) -> None:
+    found = diagnose(paper, [record(paper, 9.0, 1)], [record(paper, 9.0, 2)])
+    assert (found.verdict, found.effects) == (NONE, ())
+    assert found.model == paper
+    assert found.gap.nominal == pytest.approx(NOISE, rel=0.03)
+    assert found.gap.noise_floor == pytest.approx(NOISE, rel=0.03)
+
+
+def test_a_mistuned_model_is_fitted_again(paper: Model, mistuned: Callable[[Model], Model]) -> None:
+    found = diagnose(mistuned(paper), [record(paper, 9.0, 1)], [record(paper, 9.0, 2)])
+    assert (found.verdict, found.effects) == (PARAMETERS, ())
+    assert found.gap.augmented == pytest.approx(NOISE, rel=0.03)
+    assert found.gap.nominal > 10.0 * NOISE
+
+
+@pytest.fixture(scope="module")
+def planted() -> dict[str, dict[str, float]]:
+    return {
+        "creep": {"strength": 0.01},
+        "transport_delay": {"delay": 0.0024},
+        "contact": {"position": 1.2e-5, "stiffness": 2e6},
+        "backlash": {"play": 3e-7},
+    }
+
+
+@pytest.mark.parametrize("name", ["creep", "transport_delay", "contact", "backlash"])
+def test_a_planted_effect_is_named(
+    paper: Model,
+    mistuned: Callable[[Model], Model],
+    planted: dict[str, dict[str, float]],
+    name: str,
+) -> None:
+    """Without recordings of their own to judge, blocks are held out."""
+    rig = paper.with_link(name, **planted[name])
+    found = diagnose(mistuned(paper), [record(rig, 15.0, 3)])
+    assert (found.verdict, found.effects) == (EFFECTS, (name,))
+    assert found.candidates[0].effect == name
+    assert found.candidates[0].probability > 0.5
+    assert found.gap.augmented < 1.1 * NOISE
+    assert found.gap.closed > 0.9
+    assert found.gap.closed_low <= found.gap.closed <= found.gap.closed_high
+    assert sum(candidate.probability for candidate in found.candidates) == pytest.approx(1.0)
+    tried = {candidate.effect for candidate in found.candidates}
+    assert tried == {*candidate_names(), "none", "parameters", "unknown"}
+
+
+def test_two_effects_are_both_named(paper: Model, mistuned: Callable[[Model], Model]) -> None:
+    rig = paper.with_link("creep", strength=0.015).with_link("backlash", play=3e-7)
+    found = diagnose(mistuned(paper), [record(rig, 15.0, 4)], [record(rig, 15.0, 5)])
+    assert found.verdict == EFFECTS
+    assert set(found.effects) == {"creep", "backlash"}
+    assert set(found.shares) == {"creep", "backlash"}
+    assert sum(found.shares.values()) == pytest.approx(1.0)
+
+
+def test_a_candidate_that_fails_stops_no_other_and_is_listed(
+    paper: Model, mistuned: Callable[[Model], Model], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real = exploration.guesses
+
+    def fails(*given: object, **options: object) -> object:
+        if "backlash" in given:
+            raise FloatingPointError("overflow in the play")
+        return real(*given, **options)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(exploration, "guesses", fails)
+    rig = paper.with_link("transport_delay", delay=0.0024)
+    found = diagnose(mistuned(paper), [record(rig, 9.0, 6)], jobs=1)
+    assert found.effects == ("transport_delay",)
+    notes = {candidate.effect: candidate.note for candidate in found.candidates}
+    assert "overflow in the play" in notes["backlash"]
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory, paper: Model) -> Path:
+    """A model that is off and two recordings of a late rig."""
+    folder = tmp_path_factory.mktemp("late")
+    rig = paper.with_link("transport_delay", delay=0.0024)
+    for seed, name in ((7, "run.csv"), (8, "held.csv")):
+        write_csv(folder / name, record(rig, 9.0, seed))
+    off = {("bouc_wen", n): f * paper.value("bouc_wen", n) for n, f in MISTUNED.items()}
+    save_model(paper.with_values(off), folder / "model.yaml")
+    return folder
+
+
+def run(*arguments: object) -> str:
+    result = CliRunner().invoke(app, [str(argument) for argument in arguments])
+    assert result.exit_code == 0, result.output
+    return result.output
+
+
+def test_simulate_repeats_the_held_out_error_to_the_last_digit(files: Path) -> None:
+    out = files / "out"
+    common = ("--model", files / "model.yaml", files / "run.csv", "--heldout", files / "held.csv")
+    printed = run("diagnose", *common, "--out", out)
+    assert "late" in printed
+    found = json.loads((out / "diagnosis.json").read_text())
+    assert found["schema"] == "microgripper-diagnosis/1"
+    assert found["effects"] == ["transport_delay"]
+    again = json.loads(
+        run(
+            "simulate",
+            "--model",
+            out / "model.yaml",
+            files / "held.csv",
+            "--out",
+            out / "predicted.csv",
+            "--json",
+        )
+    )
+    assert again["rmse_m"] == found["gap"]["augmented_rmse_m"]
+    assert (out / "report.html").stat().st_size > 1e5
+
+
+def test_what_is_found_does_not_depend_on_how_many_work(files: Path) -> None:
+    common = ("--model", files / "model.yaml", files / "run.csv")
+    alone, together = (
+        run("diagnose", *common, "--out", files / f"jobs{jobs}", "--jobs", jobs, "--json")
+        for jobs in (1, 2)
+    )
+    assert alone.replace("jobs1", "") == together.replace("jobs2", "")

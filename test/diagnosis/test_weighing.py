@@ -1,0 +1,63 @@
+"""The weighing of explanations, on errors written down by hand."""
+
+from __future__ import annotations
+
+import pytest
+
+from microgripper_control.diagnosis.weighing import (
+    MISTUNED,
+    NOTHING,
+    OUTSIDE,
+    Facts,
+    weigh,
+)
+
+NM = 1e-9
+CREEP, LAG, BOTH = (
+    frozenset(["creep"]),
+    frozenset(["sensor_lag"]),
+    frozenset(["creep", "sensor_lag"]),
+)
+
+
+def facts(nominal: float, refit: float, **tried: float) -> Facts:
+    names = {"creep": CREEP, "lag": LAG, "both": BOTH}
+    errors = {names[name]: error * NM for name, error in tried.items()}
+    return Facts(nominal * NM, refit * NM, 15.0 * NM, 500.0, errors)
+
+
+@pytest.mark.parametrize(
+    ("given", "expected"),
+    [
+        (facts(15.01, 15.0, creep=15.0, lag=14.99), NOTHING),
+        (facts(300.0, 15.0, creep=15.0, lag=14.99), MISTUNED),
+        (facts(300.0, 60.0, creep=15.5, lag=50.0), CREEP),
+        (facts(300.0, 60.0, creep=50.0, lag=52.0), OUTSIDE),
+        (facts(300.0, 60.0, creep=44.0, lag=45.0, both=15.5), BOTH),
+        (facts(300.0, 60.0, creep=15.5, lag=50.0, both=15.4), CREEP),
+    ],
+)
+def test_the_plain_answer_wins(given: Facts, expected: frozenset[str]) -> None:
+    weighed = weigh(given)
+    assert sum(weighed.values()) == pytest.approx(1.0)
+    assert max(weighed, key=lambda explanation: weighed[explanation]) == expected
+
+
+def test_equally_good_explanations_share_the_probability() -> None:
+    weighed = weigh(facts(300.0, 60.0, creep=15.5, lag=15.5))
+    assert weighed[CREEP] == pytest.approx(weighed[LAG])
+    assert weighed[CREEP] > 0.4
+
+
+def test_samples_beyond_the_cap_add_no_certainty() -> None:
+    few, many = (
+        Facts(300.0 * NM, 60.0 * NM, 15.0 * NM, count, {CREEP: 20.0 * NM, LAG: 22.0 * NM})
+        for count in (1e3, 1e6)
+    )
+    assert weigh(few) == weigh(many)
+
+
+def test_a_signature_tips_the_scales() -> None:
+    plain = facts(300.0, 60.0, creep=16.0, lag=16.0)
+    signed = Facts(**{**plain.__dict__, "signs": {"creep": True, "sensor_lag": False}})
+    assert weigh(signed)[CREEP] > weigh(plain)[CREEP] > weigh(signed)[LAG]
