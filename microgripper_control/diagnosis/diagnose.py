@@ -13,12 +13,13 @@ from microgripper_control.diagnosis.findings import EFFECTS, NONE, Diagnosis, Ga
 from microgripper_control.diagnosis.freeform import explainable
 from microgripper_control.diagnosis.hold_check import hold_warnings
 from microgripper_control.diagnosis.identified_model import identified
+from microgripper_control.diagnosis.readings import reading_warnings
 from microgripper_control.diagnosis.refit import nominal_trial, refit_trial
 from microgripper_control.diagnosis.residuals import residuals_of
 from microgripper_control.diagnosis.sentence import sentence
 from microgripper_control.diagnosis.shrinkage import closed_fraction, closed_interval
 from microgripper_control.diagnosis.signatures import signatures
-from microgripper_control.diagnosis.trial import Trial, refine
+from microgripper_control.diagnosis.trial import Trial, judged, refine
 from microgripper_control.diagnosis.weighing import Facts, weigh
 from microgripper_control.diagnosis.where import locate
 from microgripper_control.effects.base import no_starts
@@ -46,7 +47,8 @@ def diagnose(
     The effects in `without` are not tried. Raises MicrogripperError for recordings that tell
     nothing.
     """
-    evidence = Evidence.gather(recordings, heldout, conditions or Conditions(), nominal)
+    whole = Evidence.gather(recordings, heldout, conditions or Conditions(), nominal)
+    evidence = whole.lean()
     before = nominal_trial(evidence, nominal)
     refit = refit_trial(evidence, before)
     left_out = {*nominal.effects, *without}
@@ -64,7 +66,9 @@ def diagnose(
         best = refine(evidence, pool.tried[frozenset(effects)])
     model = nominal if verdict == NONE else identified(evidence, best)
     found = answer.candidates(weighed, pool, names, signs, model)
-    gap = _gap(evidence, pool, best, explainable(fitted, judging, pool.noise_floor))
+    before, refit, best = (on_all(whole, evidence, trial) for trial in (before, refit, best))
+    free_form = explainable(fitted, judging, pool.noise_floor)
+    gap = _gap(whole, pool.noise_floor, before, refit, best, free_form)
     where = tuple(locate([*judging, *fitted], pool.noise_floor))
     groups = answer.ambiguous(weighed) if verdict == EFFECTS else ()
     rivals = [trial.model for trial in answer.rivals(weighed, pool)]
@@ -86,21 +90,30 @@ def diagnose(
         refit=refit.model,
         model=model,
         conditions=evidence.conditions,
-        judged=_judged(evidence, before, refit, best),
+        judged=_judged(whole, before, refit, best),
         shares=_shares(pool, effects, best),
-        warnings=hold_warnings(evidence, refit),
+        warnings=(
+            *(line for r in (*recordings, *heldout) for line in reading_warnings(r)),
+            *hold_warnings(evidence, refit),
+        ),
     )
 
 
-def _gap(evidence: Evidence, pool: Pool, best: Trial, free_form: float) -> Gap:
-    floor = pool.noise_floor
-    low, high = closed_interval(pool.refit.errors, best.errors, floor)
+def on_all(whole: Evidence, lean: Evidence, trial: Trial) -> Trial:
+    """A trial judged on all judging samples, if it was judged on a part of them."""
+    return trial if whole is lean else judged(whole, trial)
+
+
+def _gap(
+    evidence: Evidence, floor: float, nominal: Trial, refit: Trial, best: Trial, free_form: float
+) -> Gap:
+    low, high = closed_interval(refit.errors, best.errors, floor)
     return Gap(
-        nominal=pool.nominal.rmse,
-        refit=pool.refit.rmse,
+        nominal=nominal.rmse,
+        refit=refit.rmse,
         augmented=best.rmse,
         noise_floor=floor,
-        closed=closed_fraction(pool.refit.rmse, best.rmse, floor),
+        closed=closed_fraction(refit.rmse, best.rmse, floor),
         closed_low=low,
         closed_high=high,
         free_form=free_form,

@@ -9,8 +9,8 @@ recording's own values are fitted on its odd blocks and errors are taken on its 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,6 +29,9 @@ from microgripper_control.identification.nuisance import (
 from microgripper_control.plant.model import Model
 
 GAP = 0.05  # of a block, on each side of a judged one
+PIECES = BLOCKS // 2  # of a recording that is too long
+SHORTEST_PIECE = 1000  # samples
+MOST = 150_000  # samples that explanations are tried on; each costs hundreds of simulations
 
 
 @dataclass(frozen=True)
@@ -69,6 +72,32 @@ class Evidence:
         apart = tuple(_fitted_blocks(len(recording)) for recording in recordings)
         return cls(tuple(recordings), apart, tuple(recordings), conditions, False, scales)
 
+    def lean(self, most: int = MOST) -> Evidence:
+        """Evidence of the same kind with about `most` samples to fit and as many that judge.
+
+        Of longer recordings the beginning of each odd block is kept, as a recording of its own.
+        """
+        fitted, judged = self.fitted, self.judged
+        if self._long(fitted, most):
+            fitted = tuple(piece for r in fitted for piece in _pieces(r, most, self._total(fitted)))
+        if self._long(judged, most):
+            judged = tuple(piece for r in judged for piece in _pieces(r, most, self._total(judged)))
+        if fitted is self.fitted:
+            return self if judged is self.judged else replace(self, judged=judged)
+        if not self.separate:
+            judged = fitted
+        used = tuple(
+            np.ones(len(r), bool) if self.separate else _fitted_blocks(len(r)) for r in fitted
+        )
+        return replace(self, fitted=fitted, used=used, judged=judged)
+
+    @staticmethod
+    def _total(recordings: Sequence[Recording]) -> int:
+        return sum(len(recording) for recording in recordings)
+
+    def _long(self, recordings: Sequence[Recording], most: int) -> bool:
+        return self._total(recordings) > most
+
     def predictions(self, model: Model) -> list[tuple[Array, Mask]]:
         """Of each judged recording: the prediction, m, and the samples that judge."""
         return [heldout_prediction(model, recording, self.conditions) for recording in self.judged]
@@ -91,6 +120,22 @@ def _fitted_blocks(length: int) -> Mask:
     for border in judged:
         fitted[max(0, border + 1 - gap) : border + 1 + gap] = False
     return fitted
+
+
+def _pieces(recording: Recording, most: int, total: int) -> Iterator[Recording]:
+    """The beginning of each odd block, so that of `total` samples about `most` are left."""
+    block = len(recording) // BLOCKS
+    length = min(block, max(SHORTEST_PIECE, round(len(recording) * most / total / PIECES)))
+    for first in range(0, BLOCKS * block, 2 * block):
+        part = slice(first, first + length)
+        yield replace(
+            recording,
+            voltage=recording.voltage[part],
+            displacement=recording.measured[part],
+            setpoint=None,
+            start=recording.start + first * recording.sample_period,
+            read=None if recording.read is None else recording.read[part],
+        )
 
 
 def rms(errors: Sequence[Array]) -> float:

@@ -1,0 +1,45 @@
+"""Clipped and stale readings are flagged; slow, noisy and rounded ones are not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from microgripper_control.core.recording import Recording
+from microgripper_control.core.signals import Array
+from microgripper_control.diagnosis.readings import reading_warnings
+
+T = 1e-3 * np.arange(4000)
+VOLTAGE = 75.0 * (1.0 - np.cos(2.0 * np.pi * T))
+
+
+def readings(noise: float) -> Array:
+    return 1e-7 * VOLTAGE + noise * np.random.default_rng(1).standard_normal(len(T))
+
+
+def warned(displacement: Array) -> list[str]:
+    return list(reading_warnings(Recording("run.csv", 1e-3, VOLTAGE, displacement)))
+
+
+@pytest.mark.parametrize("noise", [0.0, 15e-9])
+def test_plain_readings_pass(noise: float) -> None:
+    assert warned(readings(noise)) == []
+
+
+def test_a_coarse_grid_passes() -> None:
+    assert warned(1e-6 * np.rint(readings(15e-9) / 1e-6)) == []
+
+
+def test_clipped_readings_are_flagged() -> None:
+    (line,) = warned(np.minimum(readings(15e-9), 1.3e-5))
+    assert "clipped" in line
+    assert "run.csv" in line
+
+
+def test_stale_readings_are_flagged() -> None:
+    stale = readings(15e-9)
+    for start in range(300, 3900, 400):
+        stale[start : start + 30] = stale[start]
+    (line,) = warned(stale)
+    assert "stale" in line
+    assert " 261 readings" in line or " 290 readings" in line
