@@ -3,12 +3,8 @@
 from __future__ import annotations
 
 import importlib.util
-import signal
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
+from collections.abc import Callable
 from pathlib import Path
-from types import FrameType
 from typing import Annotated
 
 import typer
@@ -17,47 +13,60 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
+from microgripper_control.cli.demo_tables import (
+    before_diagnosis,
+    fault_notes,
+    fault_table,
+    identification_table,
+    sentences,
+    tracking_table,
+)
+from microgripper_control.cli.diagnose import show, write_files
+from microgripper_control.cli.stopping import sigterm_as_interrupt
 from microgripper_control.core.errors import MicrogripperError
-from microgripper_control.core.recording import Recording
-from microgripper_control.demo.experiment import run_experiment
-from microgripper_control.demo.plan import MODES, SEGMENTS, WARM_UP, controllers_model, true_model
-from microgripper_control.demo.tracking import MOST_MISSED, Tracking, tracking
-from microgripper_control.effects.mechanics.second_order import static_gain
-from microgripper_control.identification.fit import Fit, fit
-from microgripper_control.plant.model import Model, Setting
+from microgripper_control.core.files import make_folder
+from microgripper_control.demo.experiment import record_fault, run_experiment
+from microgripper_control.demo.fault import drawn_fault
+from microgripper_control.demo.plan import MODES, controllers_model
+from microgripper_control.demo.tracking import tracking
+from microgripper_control.diagnosis.diagnose import diagnose
+from microgripper_control.identification.fit import fit
+from microgripper_control.plant.model import Model
 from microgripper_control.plant.model_file import save_model
 from microgripper_control.recordings.read import read_recording
-from microgripper_control.report.demo_page import draw_loop, draw_tracking, write_demo_page
-
-PAPERS_ERROR = 0.05  # "less than 5 %"
-STEPS = len(MODES) + 3
-
-
-@dataclass(frozen=True)
-class Shown:
-    """A table, as printed and as put on the page."""
-
-    title: str
-    header: Sequence[str]
-    rows: Sequence[Sequence[str]]
+from microgripper_control.report.demo_page import (
+    Chapter,
+    Shown,
+    draw_gap,
+    draw_loop,
+    draw_tracking,
+    write_demo_page,
+)
 
 
 def demo(
     out: Annotated[Path, typer.Option("--out", metavar="DIR")] = Path("out/demo"),
-    seed: Annotated[int, typer.Option(help="Of the sensor noise.", min=0)] = 1,
+    seed: Annotated[
+        int, typer.Option(help="Of the sensor noise and of what goes wrong.", min=0)
+    ] = 1,
 ) -> None:
-    """Control, record and identify a simulated gripper; results and a page in DIR."""
+    """Control, record, identify, break and diagnose a simulated gripper; a page in DIR."""
     if importlib.util.find_spec("rclpy") is None:
         raise MicrogripperError(
             "demo: ROS 2 is not there; source one, or pip install 'microgripper_control[ros]'"
         )
     console = Console(highlight=False, soft_wrap=True)
-    with _sigterm_as_interrupt(), _progress() as bar:
-        task = bar.add_task("starting the plant and the recorder", total=STEPS)
+    with sigterm_as_interrupt():
+        identified, first = _identify(out, seed, console)
+        second = _diagnose(out, seed, identified, console)
+    write_demo_page(out / "index.html", (first, second))
+    console.print(f"page: {out / 'index.html'}")
 
-        def advance(what: str) -> None:
-            bar.update(task, description=what, advance=1)
 
+def _identify(out: Path, seed: int, console: Console) -> tuple[Model, Chapter]:
+    """Control, record and identify: the model, and what came of it."""
+    with _progress() as bar:
+        advance = _steps(bar, "starting the plant and the recorder", len(MODES) + 3)
         experiment = run_experiment(out, seed, lambda what: advance(f"recording: {what}"))
         advance("identifying the model from the bag")
         recording = read_recording(experiment.bag)
@@ -65,96 +74,65 @@ def demo(
         save_model(found.model, out / "fitted.yaml")
         advance("drawing")
         parts = tracking(recording, experiment.runs)
-        tables = [_tracking_table(parts), _identification_table(found)]
-        sentences = _sentences(recording, found, parts)
-        _draw(out, recording, found, parts, sentences, tables)
-    for shown in tables:
-        console.print(_table(shown))
-    for sentence in sentences:
-        console.print(sentence)
-    console.print(f"page: {out / 'index.html'}")
-
-
-def _draw(
-    out: Path,
-    recording: Recording,
-    found: Fit,
-    parts: Sequence[Tracking],
-    sentences: Sequence[str],
-    tables: Sequence[Shown],
-) -> None:
-    loop, course = out / "hysteresis.png", out / "tracking.png"
-    draw_loop(loop, recording, found)
-    draw_tracking(course, recording, parts)
-    write_demo_page(
-        out / "index.html",
-        sentences,
-        [(shown.title, shown.header, shown.rows) for shown in tables],
+        loop, course = out / "hysteresis.png", out / "tracking.png"
+        draw_loop(loop, recording, found)
+        draw_tracking(course, recording, parts)
+    chapter = Chapter(
+        "Controlled, recorded and identified",
+        sentences(recording, found, parts),
+        [tracking_table(parts), identification_table(found)],
         [
             (loop, "The recorded loop, the identified model's, and the difference."),
             (course, "The three controllers on the same setpoints, warm-up left out."),
         ],
     )
+    _print(chapter, console)
+    for sentence in chapter.sentences:
+        console.print(sentence)
+    return found.model, chapter
 
 
-def _tracking_table(parts: Sequence[Tracking]) -> Shown:
-    segments = [name for name in SEGMENTS if name != WARM_UP]
-    cells = {(part.segment, part.mode): _cell(part) for part in parts}
-    rows = [
-        [segment, *(cells.get((segment, mode), "not recorded") for mode in MODES)]
-        for segment in segments
-    ]
-    title = (
-        "Tracking error, rms in % of the setpoint's peak to peak "
-        f"(the paper: less than {100.0 * PAPERS_ERROR:g} %)"
+def _diagnose(out: Path, seed: int, identified: Model, console: Console) -> Chapter:
+    """Break the rig, record it once more and find out from the bag what it was."""
+    fault, folder = drawn_fault(seed), make_folder(out / "diagnosis")
+    with _progress() as bar:
+        advance = _steps(bar, "recording the rig once more", 2)
+        recording = read_recording(record_fault(out, fault, seed))
+        advance("diagnosing")
+
+        def tried(what: str, done: int, total: int) -> None:
+            bar.update(bar.task_ids[0], description=f"diagnosing: {what or 'trying effects'}")
+
+        found = diagnose(identified, [recording], progress=tried)
+        write_files(found, folder)
+        before_after = out / "gap.png"
+        draw_gap(before_after, found)
+    chapter = Chapter(
+        "Broken, recorded once more and diagnosed",
+        [before_diagnosis(found), found.sentence],
+        [fault_table(fault, found)],
+        [
+            (
+                before_after,
+                "What the identified model leaves of the new recording, and what is left once it "
+                "has the diagnosed effect.",
+            )
+        ],
+        fault_notes(fault),
+        ("The whole diagnosis", "diagnosis/report.html"),
     )
-    return Shown(title, ("segment", *MODES), rows)
+    console.print(f"\n{chapter.sentences[0]}")
+    show(found, console)
+    _print(chapter, console)
+    console.print(f"report: {folder / 'report.html'}")
+    return chapter
 
 
-def _cell(part: Tracking) -> str:
-    if part.rms is None:
-        return f"missed {100.0 * part.missed:.0f} %"
-    return f"{100.0 * part.rms:.3f}"
-
-
-def _identification_table(found: Fit) -> Shown:
-    truth, start = true_model(), controllers_model()
-    rows = [_parameter_row("d k/(k + k_s), m/V", _gain(truth), _gain(start), found.gain)]
-    for name in ("alpha", "beta", "gamma"):
-        settings = found.model.settings["bouc_wen"][name]
-        values = truth.value("bouc_wen", name), start.value("bouc_wen", name)
-        rows.append(_parameter_row(name, *values, settings))
-    header = ("parameter", "before", "identified, 95 %", "true", "off by")
-    return Shown("Identified from the bag", header, rows)
-
-
-def _parameter_row(title: str, true: float, before: float, found: Setting) -> list[str]:
-    low, high = found.interval or (float("nan"), float("nan"))
-    identified = f"{found.value:.5g} ± {0.5 * (high - low):.1g}"
-    off = f"{100.0 * (found.value / true - 1.0):+.3f} %"
-    return [title, f"{before:.4g}", identified, f"{true:.5g}", off]
-
-
-def _gain(model: Model) -> float:
-    return model.value("bouc_wen", "d") * static_gain(model.values("second_order"))
-
-
-def _sentences(recording: Recording, found: Fit, parts: Sequence[Tracking]) -> list[str]:
-    lost = " ".join(recording.warnings) or "no sample was lost"
-    sentences = [
-        f"Recorded: {len(recording)} samples in {recording.duration:.1f} s at "
-        f"{1.0 / recording.sample_period:g} Hz; {lost}.",
-        "The controllers' model was 10 % off in every parameter. "
-        f"Identified from the bag, it predicts the recording to {1e9 * found.rmse[0]:.1f} nm rms, "
-        f"{100.0 * found.relative_rmse[0]:.3f} % of peak to peak; white noise in that: "
-        f"{1e9 * found.white_noise[0]:.1f} nm.",
-    ]
-    if any(part.rms is None for part in parts):
-        sentences.append(
-            f"Where more than {100.0 * MOST_MISSED:.0f} % was missed (the plant slept through the "
-            "sample, or its setpoint came late), the machine was too slow to judge the controller."
-        )
-    return sentences
+def _print(chapter: Chapter, console: Console) -> None:
+    for shown in chapter.tables:
+        console.print(_table(shown))
+    for note in chapter.notes:
+        console.print(note)
 
 
 def _table(shown: Shown) -> Table:
@@ -166,6 +144,16 @@ def _table(shown: Shown) -> Table:
     return table
 
 
+def _steps(bar: Progress, first: str, total: int) -> Callable[[str], None]:
+    """Begin a task; what is returned begins its next step."""
+    task = bar.add_task(first, total=total)
+
+    def advance(what: str) -> None:
+        bar.update(task, description=what, advance=1)
+
+    return advance
+
+
 def _progress() -> Progress:
     return Progress(
         SpinnerColumn(),
@@ -175,17 +163,3 @@ def _progress() -> Progress:
         console=Console(stderr=True),
         transient=True,
     )
-
-
-@contextmanager
-def _sigterm_as_interrupt() -> Iterator[None]:
-    """A demo that is asked to end ends its nodes first."""
-
-    def interrupt(number: int, frame: FrameType | None) -> None:
-        raise KeyboardInterrupt
-
-    before = signal.signal(signal.SIGTERM, interrupt)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)

@@ -83,14 +83,19 @@ def diagnose(
         found = find_causes(
             nominal, given, kept_apart, Conditions(hold, initial), on_progress, jobs, left_out
         )
-    save_model(found.model, out / "model.yaml")
-    write_result(found, out)
-    write_diagnosis_report(found, out / "report.html")
+    write_files(found, out)
     if json_:
         typer.echo(json.dumps(as_json(found, out), allow_nan=False))
         return
     show(found, Console(highlight=False, soft_wrap=True))
     typer.echo(f"written: {out / 'report.html'}, diagnosis.json, model.yaml")
+
+
+def write_files(found: Diagnosis, folder: Path) -> None:
+    """Write the model, the result and the report into a folder."""
+    save_model(found.model, folder / "model.yaml")
+    write_result(found, folder)
+    write_diagnosis_report(found, folder / "report.html")
 
 
 def show(found: Diagnosis, console: Console) -> None:

@@ -12,6 +12,7 @@ from microgripper_control.cli.identify import identify
 from microgripper_control.cli.paper import paper
 from microgripper_control.cli.simulate import simulate
 from microgripper_control.cli.stiffness import stiffness
+from microgripper_control.cli.validate import validate
 from microgripper_control.core.errors import MicrogripperError
 
 app = typer.Typer(
@@ -20,7 +21,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (identify, simulate, diagnose, stiffness, paper, demo):
+for command in (identify, simulate, diagnose, validate, stiffness, paper, demo):
     app.command(no_args_is_help=command is not demo)(command)
 
 

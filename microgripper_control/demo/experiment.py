@@ -1,4 +1,4 @@
-"""The recorded experiment: plant and recorder throughout, a controller and a reference a mode."""
+"""The recorded experiments: the three control modes, then the rig with a fault."""
 
 from __future__ import annotations
 
@@ -7,11 +7,21 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from microgripper_control.demo.plan import MODES, NOISE, SAMPLE_PERIOD, SEGMENTS, write_settings
+from microgripper_control.demo.fault import DRIVE, Fault, write_fault
+from microgripper_control.demo.plan import (
+    MODES,
+    NOISE,
+    SAMPLE_PERIOD,
+    SEGMENTS,
+    length_of,
+    write_settings,
+)
 from microgripper_control.demo.processes import Nodes
 
 STARTING = 120.0  # s: longest time for a node to start, compiling included
+SLOWEST = 10.0  # times as long as in wall time: the longest that lockstep may take
 Progress = Callable[[str], None]
 
 
@@ -33,12 +43,15 @@ class Experiment:
 
 
 def run_experiment(folder: Path, seed: int, progress: Progress) -> Experiment:
-    """Run all modes, recorded in one bag. Takes about a minute."""
+    """Run all modes, recorded in one bag. Takes about a minute.
+
+    Plant and recorder run throughout, a controller and a reference for each mode.
+    """
     rig, believed, reference = write_settings(folder)
     bag = folder / "bag"
     shutil.rmtree(bag, ignore_errors=True)
     rate = 1.0 / SAMPLE_PERIOD
-    length = sum(segment["length"] for segment in SEGMENTS.values())
+    length = length_of(SEGMENTS)
     # Like the plant's stamps, so that the runs stay where they are if somebody sets the clock.
     start_of_clock = time.time() - time.monotonic()
     runs = []
@@ -74,3 +87,45 @@ def run_experiment(folder: Path, seed: int, progress: Progress) -> Experiment:
         nodes.end(recorder)
         nodes.end(plant)
     return Experiment(bag, tuple(runs))
+
+
+def record_fault(folder: Path, fault: Fault, seed: int) -> Path:
+    """Record the rig with a fault, driven open loop in lockstep; the bag's folder."""
+    rig, drive = write_fault(folder, fault)
+    bag = folder / "bag_with_fault"
+    shutil.rmtree(bag, ignore_errors=True)
+    rate, length = 1.0 / SAMPLE_PERIOD, length_of(DRIVE)
+    lockstep: dict[str, Any] = {"lockstep": True, "lockstep_timeout": STARTING}
+    with Nodes(folder / "log" / "with_fault") as nodes:
+        recorder = nodes.start("recorder", out=bag)
+        controller = nodes.start(
+            "controller",
+            mode="open_loop",
+            sample_rate=rate,
+            partners=["plant_simulator", "recorder"],
+            **lockstep,
+        )
+        plant = nodes.start(
+            "plant_simulator",
+            model_file=rig,
+            sample_rate=rate,
+            noise_std=NOISE,
+            seed=seed,
+            duration=length,
+            partners=["controller", "reference", "recorder"],
+            startup_timeout=STARTING,
+            **lockstep,
+        )
+        setpoints = nodes.start(
+            "reference",
+            drive,
+            quantity="voltage",
+            sample_rate=rate,
+            at_end="stop",
+            partners=["controller", "recorder"],
+        )
+        for node in (plant, setpoints):
+            nodes.wait_for(node, STARTING + SLOWEST * length)
+        for node in (setpoints, controller, recorder, plant):
+            nodes.end(node)
+    return bag

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +33,8 @@ MISTUNED: dict[Key, float] = {
 WARM_UP = "warm-up"
 LOW, HIGH = 3e-6, 15e-6  # m
 SPAN = {"low": LOW, "high": HIGH}
-SEGMENTS: dict[str, dict[str, Any]] = {
+Segments = Mapping[str, Mapping[str, Any]]  # shape, length and values of each, in their order
+SEGMENTS: Segments = {
     WARM_UP: {"shape": "triangle", "length": 2.0, "low": 0.0, "high": 17e-6, "frequency": 0.5},
     "staircase": {"shape": "staircase", "length": 6.5, "steps": 6.0, "hold": 0.5, **SPAN},
     "triangle": {"shape": "triangle", "length": 3.0, "frequency": 1.0, **SPAN},
@@ -60,6 +62,11 @@ def course() -> Sequence:
     return Sequence(tuple(parts))
 
 
+def length_of(segments: Segments) -> float:
+    """How long segments take one after the other, s."""
+    return float(sum(segment["length"] for segment in segments.values()))
+
+
 def write_settings(folder: Path) -> tuple[Path, Path, Path]:
     """Write the rig's model, the controller's model and the reference's parameters; their paths."""
     rig, believed, reference = (
@@ -67,7 +74,12 @@ def write_settings(folder: Path) -> tuple[Path, Path, Path]:
     )
     save_model(true_model(), rig)
     save_model(controllers_model(), believed)
-    parameters = {"segments": list(SEGMENTS), **SEGMENTS}
-    with written_whole(reference) as file:
-        yaml.safe_dump({"/**": {"ros__parameters": parameters}}, file, sort_keys=False)
+    write_reference(reference, SEGMENTS)
     return rig, believed, reference
+
+
+def write_reference(path: Path, segments: Segments) -> None:
+    """Write segments as parameters of the node `reference`."""
+    parameters = {"segments": list(segments), **segments}
+    with written_whole(path) as file:
+        yaml.safe_dump({"/**": {"ros__parameters": parameters}}, file, sort_keys=False)

@@ -63,7 +63,7 @@ def diagnose(
     best = before if verdict == NONE else refit
     if verdict == EFFECTS:
         effects = answer.by_importance(answer.chosen(weighed), pool)
-        best = refine(evidence, pool.tried[frozenset(effects)])
+        best = refine(evidence, pool.tried[frozenset(effects)], evaluations=20)
     model = nominal if verdict == NONE else identified(evidence, best)
     found = answer.candidates(weighed, pool, names, signs, model)
     before, refit, best = (on_all(whole, evidence, trial) for trial in (before, refit, best))

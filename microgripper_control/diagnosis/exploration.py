@@ -15,7 +15,7 @@ from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.noise import innovation, removable
 from microgripper_control.diagnosis.schedule import side_by_side
 from microgripper_control.diagnosis.screening import guesses
-from microgripper_control.diagnosis.trial import Base, Trial, base_of, extend, judged, refine
+from microgripper_control.diagnosis.trial import Base, Trial, base_of, extend, judged, moved, refine
 from microgripper_control.effects.registry import registry
 
 STARTS = 2  # best first guesses that are fitted
@@ -28,6 +28,7 @@ FAIR_PART = 0.12  # of the gap; two independent effects of one size close 0.3 of
 RIVAL = 0.7  # of what the best closes: what the second must close to be a leader as well
 REFINED = 4  # explanations of a round that are fitted on with all derivatives fresh,
 NEAR = 1.6  # if they leave less than so many times what the best leaves
+PART = 12_000  # samples that a force with a memory is first fitted to
 ROUGH, POLISHED = 1e-3, 1e-5  # tolerances
 
 Progress = Callable[[str, int, int], None]  # what is being tried, how many are done, of how many
@@ -91,10 +92,11 @@ def explore(
         if not best or not _unexplained(best, pool) or not _worth_it(pool, size):
             break
         for leader in pool.best(size, BEAM):
+            dear = leader is not best[0] and any(_remembers(name) for name in leader.effects)
             follower = _closed(leader, pool) < RIVAL * _closed(best[0], pool)
-            if follower or not _unexplained(pool.best(size + 1, 1) or best, pool):
+            if dear or follower or not _unexplained(pool.best(size + 1, 1) or best, pool):
                 continue
-            leader = refine(evidence, leader, POLISHED, 30)
+            leader = refine(evidence, leader, POLISHED, 20)
             pool.add(leader)
             rest = [name for name in fitted if name not in leader.effects]
             bases = [base_of(evidence, leader)]
@@ -153,6 +155,12 @@ def _is_chosen(name: str) -> bool:
     return not link.random and not any(parameter.fitted for parameter in link.parameters)
 
 
+def _remembers(name: str) -> bool:
+    """Whether an effect is a force with a memory."""
+    force = registry()[name].force
+    return force is not None and force.states > 0
+
+
 def _behind(evidence: Evidence, trial: Trial, name: str) -> Trial:
     """A trial with an effect added that changes nothing in the fit."""
     model = trial.model.with_link(name, **registry()[name].starts(evidence.scales)[0])
@@ -197,9 +205,12 @@ def polish(evidence: Evidence, trial: Trial) -> Trial:
 
 
 def _promise(evidence: Evidence, bases: Sequence[Base], name: str) -> tuple[str, float]:
+    """The share of a residual's power, at best, that is left when an effect joins in."""
     with np.errstate(all="ignore"):
-        found = guesses(evidence, bases, name, 1)
-    return name, found[0].least if found else np.inf
+        part, anchors = _on_a_part(evidence, bases, name)
+        found = guesses(part, anchors, name, 1)
+    power = float(anchors[0].residual @ anchors[0].residual)
+    return name, found[0].least / power if found and power > 0.0 else np.inf
 
 
 def attempt(evidence: Evidence, bases: Sequence[Base], name: str) -> tuple[str, Trial | None, str]:
@@ -217,9 +228,25 @@ def _attempt(evidence: Evidence, bases: Sequence[Base], name: str) -> tuple[Tria
         return None, "nothing in the recordings to start from"
     if _is_chosen(name):
         return _behind(evidence, bases[0].trial, name), ""
-    starts = guesses(evidence, bases, name, STARTS)
-    fits = [extend(evidence, start.base, start.model, [name]) for start in starts]
+    part, anchors = _on_a_part(evidence, bases, name)
+    starts = guesses(part, anchors, name, STARTS)
+    fits = [extend(part, start.base, start.model, [name]) for start in starts]
     found = [fit for fit in fits if fit is not None and np.isfinite(fit.fitted_rmse)]
     if not found:
         return None, "no start could be fitted"
-    return judged(evidence, min(found, key=lambda trial: trial.fitted_rmse)), ""
+    best = min(found, key=lambda trial: trial.fitted_rmse)
+    return (judged(evidence, best) if part is evidence else moved(evidence, best)), ""
+
+
+def _on_a_part(
+    evidence: Evidence, bases: Sequence[Base], name: str
+) -> tuple[Evidence, Sequence[Base]]:
+    """Less to fit for a force with a memory: under a zero-order hold each sample is dear.
+
+    Such a force knows the way and not the time, so pieces of the recordings show all of it.
+    """
+    dear = any(_remembers(link) for link in (name, *bases[0].trial.effects))
+    part = evidence.lean(PART) if dear else evidence
+    if part is evidence:
+        return evidence, bases
+    return part, [base_of(part, moved(part, base.trial)) for base in bases]

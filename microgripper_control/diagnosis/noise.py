@@ -16,6 +16,7 @@ from microgripper_control.core.signals import Array
 from microgripper_control.identification.confidence import autocorrelation_time
 
 ORDER = 16  # samples of the past
+NORMAL = 1.4826  # standard deviation of a normal distribution, in medians of its magnitude
 
 
 def innovation(errors: Sequence[Array]) -> float:
@@ -28,7 +29,7 @@ def innovation(errors: Sequence[Array]) -> float:
     for error in errors:
         if len(error) <= 2 * ORDER:
             continue
-        covariance += [float(error[lag:] @ error[: len(error) - lag]) for lag in range(ORDER + 1)]
+        covariance += _covariance(error)
         count += len(error)
     if count == 0 or covariance[0] <= 0.0:
         return 0.0
@@ -36,6 +37,26 @@ def innovation(errors: Sequence[Array]) -> float:
     weights = solve_toeplitz(covariance[:-1], covariance[1:])
     left = float(covariance[0] - weights @ covariance[1:])
     return float(np.sqrt(max(left, 0.0) / max(1, count - ORDER)))
+
+
+def usual_innovation(error: Array) -> float:
+    """As `innovation`, m, of one stretch of residual, but by the median.
+
+    What comes now and then is left out, such as what a lag leaves of each step of the voltage: its
+    past does not tell it, but it is no noise.
+    """
+    covariance = _covariance(error)
+    if covariance[0] <= 0.0:
+        return 0.0
+    covariance[0] *= 1.0 + 1e-9
+    weights = solve_toeplitz(covariance[:-1], covariance[1:])
+    new = np.convolve(error, np.append(1.0, -weights), "valid")
+    return NORMAL * float(np.median(np.abs(new)))
+
+
+def _covariance(error: Array) -> Array:
+    """Sums of products, m^2, of samples 0 .. ORDER apart."""
+    return np.array([error[lag:] @ error[: len(error) - lag] for lag in range(ORDER + 1)])
 
 
 def independent_samples(errors: Sequence[Array]) -> float:

@@ -53,4 +53,3 @@ def _rows_of_equals(recording: Recording) -> Iterator[tuple[int, int]]:
     for first, last in zip(firsts, lasts, strict=True):
         if last - first >= LONGEST and np.ptp(u[first : last + 1]) > allowed:
             yield int(first), int(last)
-

@@ -19,7 +19,7 @@ import numpy as np
 
 from microgripper_control.core.signals import Array
 from microgripper_control.core.sliding import Sliding
-from microgripper_control.diagnosis.noise import ORDER, innovation
+from microgripper_control.diagnosis.noise import ORDER, usual_innovation
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.nuisance import Projection
 from microgripper_control.plant.model import Model
@@ -106,7 +106,7 @@ class RunningGap:
         return Reading(
             gap=gap,
             # A sample that is missing here and there makes the next one little harder to predict.
-            noise_floor=min(gap, innovation([left])),
+            noise_floor=min(gap, usual_innovation(left)),
             doubt=BENT * before,
             moving=bool(np.ptp(voltage) >= MOVING * self._span),
         )

@@ -25,7 +25,7 @@ from microgripper_control.identification.problem import Problem
 from microgripper_control.plant.model import Key, Model
 
 TOLERANCE = 1e-3  # relative, of the squares and of the step, with the chord method
-FINE = 1e-7  # the same, of what is reported
+FINE = 1e-6  # the same, of what is reported
 EVALUATIONS = 8  # of one start, with the chord method
 
 
@@ -121,6 +121,12 @@ def unfitted(evidence: Evidence, trial: Trial) -> Trial:
     z = problem.point(trial.model, trial.initial_hysteresis)
     residuals = problem.residuals(z)
     return judged(evidence, trial_at(problem, z, float(residuals @ residuals)))
+
+
+def moved(evidence: Evidence, trial: Trial) -> Trial:
+    """The same model on other recordings, judged: these start with an h of their own."""
+    initial = starting_hysteresis(evidence, trial.model)
+    return unfitted(evidence, replace(trial, initial_hysteresis=initial))
 
 
 def extend(evidence: Evidence, base: Base, model: Model, added: Sequence[str]) -> Trial | None:

@@ -1,14 +1,16 @@
-"""The demo's figure and page."""
+"""The demo's figures and page."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.demo.tracking import Tracking
+from microgripper_control.diagnosis.findings import Diagnosis
 from microgripper_control.identification.fit import Fit
 from microgripper_control.identification.nuisance import Conditions, predict
 from microgripper_control.report.figures import FOURTH, MEASURED, SIMULATED, THIRD, figure, label
@@ -18,6 +20,27 @@ COLOURS = {"feedforward": THIRD, "pid": FOURTH, "cascade": SIMULATED}
 MICRO = 1e6
 MOST_POINTS = 4000  # of a drawn line
 HISTOGRAM = 5.0  # half its width, in standard deviations
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A table, as printed and as put on the page."""
+
+    title: str
+    header: Sequence[str]
+    rows: Sequence[Sequence[str]]
+
+
+@dataclass(frozen=True)
+class Chapter:
+    """A part of the page."""
+
+    title: str
+    sentences: Sequence[str]
+    tables: Sequence[Shown]
+    figures: Sequence[tuple[Path, str]]  # PNG and caption
+    notes: Sequence[str] = ()  # on the tables
+    link: tuple[str, str] | None = None  # text and address
 
 
 def draw_loop(path: Path, recording: Recording, found: Fit) -> None:
@@ -60,19 +83,38 @@ def draw_tracking(path: Path, recording: Recording, parts: Sequence[Tracking]) -
         error.set_ylim(-1.0, 1.0)
 
 
-def write_demo_page(
-    path: Path,
-    sentences: Sequence[str],
-    tables: Sequence[tuple[str, Sequence[str], Sequence[Sequence[str]]]],
-    figures: Sequence[tuple[Path, str]],
-) -> None:
-    """The page of the demo: what happened, the tables as printed, the figures."""
-    page = Page("A simulated microgripper, controlled, recorded and identified")
-    for sentence in sentences:
-        page.paragraph(sentence)
-    for title, header, rows in tables:
-        page.heading(title)
-        page.table(header, rows)
-    for png, caption in figures:
-        page.figure(png, caption)
+def draw_gap(path: Path, found: Diagnosis) -> None:
+    """What the model leaves of a recording, before and after the diagnosed effects are added."""
+    judged = found.judged[0]
+    time, measured = judged.recording.time, judged.recording.measured
+    every = slice(None, None, max(1, len(time) // MOST_POINTS))
+    with figure(path, (8.0, 3.2)) as drawn:
+        axes = drawn.subplots()
+        for name, prediction, rmse, colour in (
+            ("before", judged.nominal, found.gap.nominal, SIMULATED),
+            ("after", judged.augmented, found.gap.augmented, MEASURED),
+        ):
+            error = 1e9 * (measured - prediction)[every]
+            text = f"{name}: {1e9 * rmse:.0f} nm rms"
+            axes.plot(time[every], error, color=colour, lw=0.6, label=text)
+        axes.legend(ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0))
+        label(axes, "time (s)", "recorded minus model (nm)", "The gap, before and after")
+
+
+def write_demo_page(path: Path, chapters: Sequence[Chapter]) -> None:
+    """The page: what happened, the tables as printed and the figures, chapter by chapter."""
+    page = Page("A simulated microgripper, controlled, identified and diagnosed")
+    for chapter in chapters:
+        page.heading(chapter.title)
+        for sentence in chapter.sentences:
+            page.paragraph(sentence)
+        for shown in chapter.tables:
+            page.caption(shown.title)
+            page.table(shown.header, shown.rows)
+        for note in chapter.notes:
+            page.note(note)
+        for png, caption in chapter.figures:
+            page.figure(png, caption)
+        if chapter.link:
+            page.link(*chapter.link)
     page.write(path)

@@ -51,6 +51,10 @@ class Page:
         """Add a paragraph of plain text."""
         self._parts.append(f"<p>{escape(text)}</p>")
 
+    def link(self, text: str, address: str) -> None:
+        """Add a paragraph that leads to another file."""
+        self._parts.append(f'<p><a href="{escape(address)}">{escape(text)}</a></p>')
+
     def points(self, texts: Iterable[str]) -> None:
         """Add a list of plain texts."""
         items = "".join(f"<li>{escape(text)}</li>" for text in texts)

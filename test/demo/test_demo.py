@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
@@ -12,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from microgripper_control.demo.fault import drawn_fault
 from microgripper_control.demo.plan import true_model
 from microgripper_control.effects.mechanics.second_order import static_gain
 from microgripper_control.plant.model import Model
@@ -24,7 +26,7 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 from microgripper_control.cli.main import main
 main()
 """
-PATIENCE = 280.0  # s: less than a test may take in all
+PATIENCE = 560.0  # s: less than a test may take in all
 
 pytestmark = pytest.mark.ros
 
@@ -71,7 +73,7 @@ def gain(model: Model) -> float:
     return model.value("bouc_wen", "d") * static_gain(model.values("second_order"))
 
 
-def test_the_demo_identifies_its_rig_and_leaves_nothing_running(
+def test_the_demo_identifies_and_diagnoses_its_rig_and_leaves_nothing_running(
     start: Start, tmp_path: Path
 ) -> None:
     out = tmp_path / "demo"
@@ -80,13 +82,19 @@ def test_the_demo_identifies_its_rig_and_leaves_nothing_running(
     assert process.returncode == 0, complaints
     assert nodes_logging_to(out) == []
     assert "cascade" in printed
-    assert {"index.html", "fitted.yaml", "hysteresis.png", "tracking.png", "bag"} <= {
-        entry.name for entry in out.iterdir()
-    }
-    truth, found = true_model(), load_model(out / "fitted.yaml")
-    assert gain(found) == pytest.approx(gain(truth), 2.5e-3)  # k and k_s apart cannot be seen
+    page = (out / "index.html").read_text(encoding="utf-8")
+    assert page.count("<img") == 3
+    assert 'href="diagnosis/report.html"' in page
+    assert (out / "diagnosis" / "report.html").exists()
+    found = json.loads((out / "diagnosis" / "diagnosis.json").read_text(encoding="utf-8"))
+    planted = drawn_fault(seed=1).effect
+    assert (found["verdict"], found["effects"]) == ("effects", [planted])
+    assert found["sentence"] in printed
+    assert f"planted is {planted}" in printed
+    truth, model = true_model(), load_model(out / "fitted.yaml")
+    assert gain(model) == pytest.approx(gain(truth), 2.5e-3)  # k and k_s apart cannot be seen
     for name in ("alpha", "beta", "gamma"):
-        identified, true = found.settings["bouc_wen"][name], truth.value("bouc_wen", name)
+        identified, true = model.settings["bouc_wen"][name], truth.value("bouc_wen", name)
         assert identified.interval is not None
         low, high = identified.interval
         # Twice the interval is wider only where the machine missed a good part of the samples.
