@@ -48,7 +48,15 @@ TEST = [
 
 CONFIG = [str(path) for path in sorted(Path("config").glob("*.yaml"))]
 LAUNCH = [str(path) for path in sorted(Path("launch").glob("*.launch.py"))]
-NODES = ["plant_simulator", "controller", "reference", "identifier", "recorder", "player"]
+NODES = [
+    "plant_simulator",
+    "controller",
+    "reference",
+    "identifier",
+    "diagnoser",
+    "recorder",
+    "player",
+]
 
 setup(
     name=NAME,

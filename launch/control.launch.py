@@ -1,4 +1,7 @@
-"""The control loop: controller and reference, and the simulated rig unless there is a real one."""
+"""The control loop: controller and reference, and the simulated rig unless there is a real one.
+
+With `watch:=true` the diagnoser runs beside it.
+"""
 
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument
@@ -29,6 +32,7 @@ def generate_launch_description() -> LaunchDescription:
             DeclareLaunchArgument("simulate", default_value="true"),
             DeclareLaunchArgument("lockstep", default_value="false"),
             DeclareLaunchArgument("mode", default_value="cascade"),
+            DeclareLaunchArgument("watch", default_value="false"),
             Node(
                 executable="plant_simulator",
                 parameters=[file, lockstep],
@@ -37,5 +41,11 @@ def generate_launch_description() -> LaunchDescription:
             ),
             Node(executable="controller", parameters=[file, lockstep, mode], **common),
             Node(executable="reference", parameters=[file], **common),
+            Node(
+                executable="diagnoser",
+                parameters=[file],
+                condition=IfCondition(LaunchConfiguration("watch")),
+                **common,
+            ),
         ]
     )

@@ -25,6 +25,7 @@ ROOMS: dict[str, set[str]] = {
     "paper": {"core", "effects", "plant", "control", "identification"},
     "validation": {"core"},  # a rig of its own: it shares nothing with what it checks
 }
+ROOMS["examination"] = {*ROOMS}
 ROOMS["report"] = {*ROOMS}
 ROOMS["nodes"] = {*ROOMS}
 ROOMS["cli"] = {*ROOMS} - {"nodes"}

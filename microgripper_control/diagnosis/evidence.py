@@ -29,8 +29,8 @@ from microgripper_control.identification.nuisance import (
 from microgripper_control.plant.model import Model
 
 GAP = 0.05  # of a block, on each side of a judged one
-PIECES = BLOCKS // 2  # of a recording that is too long
-SHORTEST_PIECE = 1000  # samples
+MOST_PIECES = 5  # of a recording that is too long
+LONG_PIECE, SHORTEST_PIECE = 5000, 1000  # samples
 MOST = 150_000  # samples that explanations are tried on; each costs hundreds of simulations
 
 
@@ -75,28 +75,19 @@ class Evidence:
     def lean(self, most: int = MOST) -> Evidence:
         """Evidence of the same kind with about `most` samples to fit and as many that judge.
 
-        Of longer recordings the beginning of each odd block is kept, as a recording of its own.
+        Of longer recordings stretches are kept, each as a recording of its own.
         """
-        fitted, judged = self.fitted, self.judged
-        if self._long(fitted, most):
-            fitted = tuple(piece for r in fitted for piece in _pieces(r, most, self._total(fitted)))
-        if self._long(judged, most):
-            judged = tuple(piece for r in judged for piece in _pieces(r, most, self._total(judged)))
-        if fitted is self.fitted:
-            return self if judged is self.judged else replace(self, judged=judged)
+        fitted = _thinned(self.fitted, most, self.separate)
         if not self.separate:
-            judged = fitted
-        used = tuple(
-            np.ones(len(r), bool) if self.separate else _fitted_blocks(len(r)) for r in fitted
-        )
+            if fitted is self.fitted:
+                return self
+            used = tuple(_fitted_blocks(len(recording)) for recording in fitted)
+            return replace(self, fitted=fitted, used=used, judged=fitted)
+        judged = _thinned(self.judged, most, True)
+        if fitted is self.fitted and judged is self.judged:
+            return self
+        used = tuple(np.ones(len(recording), bool) for recording in fitted)
         return replace(self, fitted=fitted, used=used, judged=judged)
-
-    @staticmethod
-    def _total(recordings: Sequence[Recording]) -> int:
-        return sum(len(recording) for recording in recordings)
-
-    def _long(self, recordings: Sequence[Recording], most: int) -> bool:
-        return self._total(recordings) > most
 
     def predictions(self, model: Model) -> list[tuple[Array, Mask]]:
         """Of each judged recording: the prediction, m, and the samples that judge."""
@@ -122,11 +113,29 @@ def _fitted_blocks(length: int) -> Mask:
     return fitted
 
 
-def _pieces(recording: Recording, most: int, total: int) -> Iterator[Recording]:
-    """The beginning of each odd block, so that of `total` samples about `most` are left."""
-    block = len(recording) // BLOCKS
-    length = min(block, max(SHORTEST_PIECE, round(len(recording) * most / total / PIECES)))
-    for first in range(0, BLOCKS * block, 2 * block):
+def _thinned(recordings: tuple[Recording, ...], most: int, anywhere: bool) -> tuple[Recording, ...]:
+    """The recordings themselves if they have no more than `most` samples, else pieces of them."""
+    total = sum(len(recording) for recording in recordings)
+    if total <= most:
+        return recordings
+    return tuple(piece for r in recordings for piece in _pieces(r, most, total, anywhere))
+
+
+def _pieces(recording: Recording, most: int, total: int, anywhere: bool) -> Iterator[Recording]:
+    """Stretches of a recording, so that of `total` samples about `most` are left.
+
+    `anywhere` few and long ones, evenly spread; else the beginnings of the odd blocks.
+    """
+    quota = max(SHORTEST_PIECE, round(len(recording) * most / total))
+    if anywhere:
+        count = min(MOST_PIECES, max(1, quota // LONG_PIECE))
+        length = min(quota // count, len(recording) // count)
+        firsts = [index * (len(recording) // count) for index in range(count)]
+    else:
+        block = len(recording) // BLOCKS
+        length = min(block, max(SHORTEST_PIECE, quota // (BLOCKS // 2)))
+        firsts = list(range(0, BLOCKS * block, 2 * block))
+    for first in firsts:
         part = slice(first, first + length)
         yield replace(
             recording,

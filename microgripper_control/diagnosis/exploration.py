@@ -28,7 +28,7 @@ FAIR_PART = 0.12  # of the gap; two independent effects of one size close 0.3 of
 RIVAL = 0.7  # of what the best closes: what the second must close to be a leader as well
 REFINED = 4  # explanations of a round that are fitted on with all derivatives fresh,
 NEAR = 1.6  # if they leave less than so many times what the best leaves
-PART = 12_000  # samples that a force with a memory is first fitted to
+PART = 30_000  # samples that a force with a memory is first fitted to
 ROUGH, POLISHED = 1e-3, 1e-5  # tolerances
 
 Progress = Callable[[str, int, int], None]  # what is being tried, how many are done, of how many

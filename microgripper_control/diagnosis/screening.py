@@ -15,7 +15,7 @@ import numpy as np
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.trial import Base, problem_of
-from microgripper_control.effects.base import no_courses
+from microgripper_control.effects.base import Values, no_courses
 from microgripper_control.effects.registry import registry
 from microgripper_control.plant.model import Model
 
@@ -43,13 +43,23 @@ def guesses(evidence: Evidence, bases: Sequence[Base], effect: str, wanted: int)
         guess
         for base in bases
         for values in starts
-        if (guess := _judge(evidence, base, base.trial.model.with_link(effect, **values)))
+        if (guess := _judge(evidence, base, _with(base.trial.model, effect, values)))
     ]
     for guess in sorted(found, key=lambda guess: guess.least)[:RESCALED]:
         model = _stronger(guess.model, effect, guess.strength)
         if model is not guess.model and (again := _judge(evidence, guess.base, model)):
             found.append(again)
     return sorted(found, key=lambda guess: (guess.idle, guess.left))[:wanted]
+
+
+def _with(model: Model, effect: str, values: Values) -> Model:
+    """The model with an effect, as far towards a guess as its parameters' ranges allow."""
+    declared = {p.name: p for p in registry()[effect].parameters}
+    inside = {
+        name: min(declared[name].high, max(declared[name].low, value))
+        for name, value in values.items()
+    }
+    return model.with_link(effect, **inside)
 
 
 def _judge(evidence: Evidence, base: Base, model: Model) -> Guess | None:

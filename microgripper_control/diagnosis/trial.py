@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from microgripper_control.core.signals import Array
@@ -27,6 +28,10 @@ from microgripper_control.plant.model import Key, Model
 TOLERANCE = 1e-3  # relative, of the squares and of the step, with the chord method
 FINE = 1e-6  # the same, of what is reported
 EVALUATIONS = 8  # of one start, with the chord method
+SEEN = 1e-3  # of the best seen direction of the base parameters: weaker ones stay
+WAYS = (1.0, 0.5, 0.2)  # shares of the linear step that are tried first
+
+Indices = NDArray[np.intp]
 
 
 @dataclass(frozen=True)
@@ -149,10 +154,30 @@ def extend(evidence: Evidence, base: Base, model: Model, added: Sequence[str]) -
         return columns
 
     try:
+        z = _met_half_way(problem, z, jacobian(z), np.r_[:count, size : len(z)])
         squares, z = _descend(problem, z, jacobian, TOLERANCE, EVALUATIONS)
     except (ValueError, FloatingPointError, np.linalg.LinAlgError):
         return None
     return trial_at(problem, z, squares)
+
+
+def _met_half_way(problem: Problem, z: Array, jacobian: Array, base: Indices) -> Array:
+    """A better start: the base parameters go part of the way to where the guess wants them."""
+    low, high = problem.bounds
+    residuals = problem.residuals(z)
+    columns = jacobian[:, base]
+    sizes = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+    wanted = np.linalg.lstsq(columns / sizes, residuals, rcond=SEEN)[0] / sizes
+    best, least = z, float(residuals @ residuals)
+    for share in WAYS:
+        other = z.copy()
+        other[base] -= share * wanted
+        other = np.clip(other, low, high)
+        left = problem.residuals(other)
+        squares = float(left @ left)
+        if squares < least:
+            best, least = other, squares
+    return best
 
 
 def trial_at(problem: Problem, z: Array, squares: float) -> Trial:

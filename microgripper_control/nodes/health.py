@@ -18,15 +18,25 @@ class Level(enum.IntEnum):
     OK = 0
     WARN = 1
     ERROR = 2
+    STALE = 3  # nothing comes that a state could be read off
 
 
 @dataclass(frozen=True)
 class Health:
-    """How a node is: what is wrong, if anything, and the numbers behind it, with their units."""
+    """How a node is: what is wrong, if anything, and the numbers behind it, with their units.
+
+    A message with numbers in it has a `cause` without: as long as that stays, it is no news.
+    """
 
     message: str = "ok"
     level: Level = Level.OK
     values: Mapping[str, object] = field(default_factory=dict)
+    cause: str = ""
+
+    @property
+    def news(self) -> tuple[Level, str]:
+        """What is logged when it changes."""
+        return self.level, self.cause or self.message
 
 
 class Reporter:
@@ -50,7 +60,7 @@ class Reporter:
         array = DiagnosticArray(status=[status])
         array.header.stamp = self._node.get_clock().now().to_msg()
         self._publisher.publish(array)
-        if (health.level, health.message) != (self._last.level, self._last.message):
+        if health.news != self._last.news:
             # In two lines: rclpy takes each for a log statement of one severity.
             if health.level is Level.OK:
                 self._node.get_logger().info(health.message)

@@ -1,17 +1,18 @@
 """The topics: names, types and quality of service.
 
 All are relative to the node's namespace. Publishers and subscriptions are reliable and keep the
-last messages, the publishers and the recorder 5000 of them, the control loop one: the newest
-sample is what counts there, while a recorder that the scheduler held up for seconds still gets
-everything. In lockstep a message that is lost ends the run, so there best effort will not do.
-History, depth and reliability can be overridden by the standard `qos_overrides` parameters.
+last messages, the publishers, the recorder and the diagnoser 5000 of them, the control loop one:
+the newest sample is what counts there, while who records and was held up by the scheduler for
+seconds still gets everything. In lockstep a message that is lost ends the run, so there best effort
+will not do. History, depth and reliability can be overridden by the standard `qos_overrides`
+parameters.
 """
 
 from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from importlib import import_module
 from typing import Any, cast
 
@@ -36,6 +37,8 @@ DISPLACEMENT = "displacement"  # x[k], m
 VOLTAGE_COMMAND = "voltage_command"  # V
 SETPOINT = "setpoint"  # wanted displacement, m
 VOLTAGE_SETPOINT = "voltage_setpoint"  # wanted voltage, V, for the controller's mode open_loop
+GAP = "gap"  # between the rig and its model, rms, m
+NOISE_FLOOR = "noise_floor"  # what of the gap nothing could predict, rms, m
 
 TYPES: dict[str, type] = {
     JOINT_STATES: JointState,
@@ -43,6 +46,8 @@ TYPES: dict[str, type] = {
     VOLTAGE_COMMAND: Float64,
     SETPOINT: Float64,
     VOLTAGE_SETPOINT: Float64,
+    GAP: Float64,
+    NOISE_FLOOR: Float64,
 }
 KEPT = 5000  # messages
 DELIVERY_TIMEOUT = 4.0  # s
@@ -110,6 +115,40 @@ class Newest:
         if self._subscription is not None:
             self._node.destroy_subscription(self._subscription)
             self._subscription = None
+
+
+class Batches:
+    """A subscription to all messages of one of the topics above, which are taken in batches.
+
+    That is past the executor, which would spend a callback on each, four times what taking it
+    costs. So a node has to leave `subscription` out of the `subscriptions` that it shows.
+    """
+
+    def __init__(self, node: Node, topic: str) -> None:
+        self.subscription = node.create_subscription(
+            TYPES[topic],
+            topic,
+            _never_called,
+            quality(KEPT),
+            qos_overriding_options=QoSOverridingOptions.with_default_policies(),
+        )
+
+    def take(self) -> Iterator[Any]:
+        """The messages that have come since the last call, oldest first.
+
+        No more than are kept, so that it ends even if they come faster than they are taken.
+        """
+        handle, kind = self.subscription.handle, self.subscription.msg_type
+        with handle:
+            for _ in range(KEPT):
+                taken = handle.take_message(kind, False)
+                if taken is None:
+                    return
+                yield taken[0]
+
+
+def _never_called(message: object) -> None:
+    """See `Batches`."""
 
 
 def type_named(name: str) -> type:

@@ -73,11 +73,20 @@ def simulate(
 
 
 class Plant:
-    """The model run live: `read` the displacement, then `write` the voltage, once a tick each."""
+    """The model run live: `read` the displacement, then `write` the voltage, once a tick each.
 
-    def __init__(self, model: Model, sample_period: float, initial_voltage: float = 0.0) -> None:
+    It starts settled at `initial_voltage` (V) with h as in `initial_hysteresis` (m).
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        sample_period: float,
+        initial_voltage: float = 0.0,
+        initial_hysteresis: float = 0.0,
+    ) -> None:
         levels = np.zeros(ROWS)
-        levels[VOLTAGE] = initial_voltage
+        levels[VOLTAGE], levels[HYSTERESIS] = initial_voltage, initial_hysteresis
         self._chain = Chain(model, sample_period, levels, random=True)
         self._bus = np.zeros((ROWS, self._chain.steps))
         self._sample = np.zeros((ROWS, 1))

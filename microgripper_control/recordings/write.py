@@ -129,7 +129,10 @@ class BagWriter:
 
 
 def write_csv(path: str | Path, recording: Recording) -> None:
-    """Write `time_s,voltage_V` and what else was recorded; every digit is kept."""
+    """Write `time_s,voltage_V` and what else was recorded; every digit is kept.
+
+    Samples that were filled in are left out: whoever reads the file fills them in and knows it.
+    """
     columns = {"time_s": recording.time, "voltage_V": recording.voltage}
     if recording.displacement is not None:
         columns["displacement_m"] = recording.displacement
@@ -137,7 +140,8 @@ def write_csv(path: str | Path, recording: Recording) -> None:
         columns["setpoint_m"] = recording.setpoint
     with written_whole(path) as file:
         file.write(",".join(columns) + "\n")
-        for row in zip(*(column.tolist() for column in columns.values()), strict=True):
+        read = recording.present
+        for row in zip(*(column[read].tolist() for column in columns.values()), strict=True):
             file.write(",".join(map(repr, row)) + "\n")
 
 

@@ -14,6 +14,7 @@ from rclpy.qos import ReliabilityPolicy
 
 from microgripper_control.core.share import share_folder
 from microgripper_control.nodes.controller import ControllerNode
+from microgripper_control.nodes.diagnoser import Diagnoser
 from microgripper_control.nodes.identifier import Identifier
 from microgripper_control.nodes.plant_simulator import PlantSimulator
 from microgripper_control.nodes.player import Player
@@ -32,6 +33,7 @@ NODES: dict[str, type[Shell]] = {
     "recorder": Recorder,
     "player": Player,
     "identifier": Identifier,
+    "diagnoser": Diagnoser,
 }
 NEEDED = {
     "player": ["-p", "recording:=wave.csv", "-p", "pace:=samples"],

@@ -7,6 +7,7 @@ import pytest
 from running_nodes import Start
 
 from microgripper_control.nodes.controller import ControllerNode
+from microgripper_control.nodes.diagnoser import Diagnoser
 from microgripper_control.nodes.identifier import Identifier
 from microgripper_control.nodes.plant_simulator import PlantSimulator
 from microgripper_control.nodes.player import Player
@@ -34,6 +35,8 @@ BAD = [
     (Recorder, ["storage:=tape"], "storage: 'tape' is none of mcap, sqlite3"),
     (Player, [], "recording is empty"),
     (Player, ["recording:=nowhere"], "nowhere: does not exist"),
+    (Diagnoser, ["window:=1"], "window = 1 is outside its range 2 .. 600 s"),
+    (Diagnoser, ["model_file:=nowhere.yaml"], "nowhere.yaml: cannot be read"),
     (Identifier, [], "recordings is empty"),
     (Identifier, ["recordings:=[nowhere]"], "nowhere: does not exist"),
     (PlantSimulator, [":=5"], "parameter override"),
@@ -70,6 +73,7 @@ def test_every_node_ends_by_signal_with_exit_status_0(start: Start, tmp_path: Pa
         start("controller"),
         start("reference"),
         start("recorder"),
+        start("diagnoser"),
         start("player", recording=str(save), pace="samples", partners=["nobody"]),
     ]
     for node in nodes:

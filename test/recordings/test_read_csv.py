@@ -47,6 +47,16 @@ def test_what_was_written_is_read(tmp_path: Path) -> None:
     assert found.warnings == ()
 
 
+def test_samples_that_were_filled_in_are_not_written(tmp_path: Path) -> None:
+    path = write(tmp_path, HEADER, *ROWS[:20], *ROWS[23:])
+    filled = read_recording(path)
+    write_csv(tmp_path / "again.csv", filled)
+    found = read_recording(tmp_path / "again.csv")
+    assert np.array_equal(np.flatnonzero(~found.present), [20, 21, 22])
+    assert np.array_equal(found.displacement, filled.displacement)
+    assert found.warnings == filled.warnings
+
+
 def test_columns_in_any_order_and_further_ones(tmp_path: Path) -> None:
     rows = [f"note {k},{1e-8 * k},{0.001 * k:.3f}, {k}" for k in range(COUNT)]
     path = write(tmp_path, "remark, displacement_m ,time_s,voltage_V", *rows)

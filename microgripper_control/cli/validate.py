@@ -1,0 +1,121 @@
+"""`microgripper validate`: whether the diagnosis can be trusted, on rigs it has never seen."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+from rich.box import SIMPLE
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from microgripper_control.cli.options import JsonOption
+from microgripper_control.cli.stopping import sigterm_as_interrupt
+from microgripper_control.core.files import make_folder
+from microgripper_control.diagnosis.schedule import cluster
+from microgripper_control.examination.folder import Folder, write_json
+from microgripper_control.examination.plan import MOST, plan
+from microgripper_control.examination.run import OnProgress, run
+from microgripper_control.examination.score import Score, score
+from microgripper_control.examination.summary import as_json
+
+
+def validate(
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Where the results go.")],
+    quick: Annotated[
+        bool, typer.Option("--quick", help="About 40 cases instead of several hundred.")
+    ] = False,
+    seed: Annotated[
+        int, typer.Option(min=0, max=MOST, help="Decides all cases, none of which was seen before.")
+    ] = 1,
+    jobs: Annotated[int, typer.Option(help="Cases at once; -1: one a core.")] = -1,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            metavar="tcp://HOST:PORT",
+            help="A Dask scheduler to send the cases to; its workers must see DIR under the same"
+            " path.",
+        ),
+    ] = None,
+    json_: JsonOption = False,
+) -> None:
+    """Examine the diagnosis on recordings whose cause it is not told; goes on where it stopped.
+
+    A case takes about 2 MB in DIR. The result is DIR/validation.html and validation.json.
+    """
+    planned = plan(seed, quick)
+    root = make_folder(out)
+    with sigterm_as_interrupt(), cluster(scheduler), _progress() as on_progress:
+        records = run(root, planned, on_progress, jobs)
+    found = score(Folder(root.resolve()), records)
+    content = as_json(found, seed, quick)
+    write_json(root / "validation.json", content)
+    # Drawing needs matplotlib, which takes a second: not for the other commands.
+    from microgripper_control.report.validation_page import write_validation_page
+
+    page = write_validation_page(found, root, seed, quick)
+    if json_:
+        typer.echo(json.dumps(content, allow_nan=False))
+        return
+    show(found, Console(highlight=False, soft_wrap=True))
+    typer.echo(f"written: {page}, validation.json")
+
+
+def show(found: Score, console: Console) -> None:
+    """Print what must hold, whether it does, and what went wrong."""
+    from microgripper_control.report.validation_page import (
+        TARGET_HEADER,
+        TARGET_TEXTS,
+        target_rows,
+    )
+
+    table = Table(box=SIMPLE)
+    for index, column in enumerate(TARGET_HEADER):
+        side: Literal["left", "right"] = "left" if index in TARGET_TEXTS else "right"
+        table.add_column(column, justify=side, no_wrap=index > 0)
+    for row in target_rows(found):
+        table.add_row(*row)
+    console.print(table)
+    for one in found.confusions:
+        reasons = "; ".join(one.reasons)
+        console.print(
+            f"{one.asked} taken for {one.said}, {len(one.cases)} times: {reasons}", markup=False
+        )
+    for name, outcome, why in found.failures:
+        console.print(f"{name}: {outcome}: {why}", markup=False)
+
+
+@contextmanager
+def _progress() -> Iterator[OnProgress]:
+    """A bar on standard error with the time left; one line a case where that is no terminal."""
+    console = Console(stderr=True)
+    columns = (
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.description}"),
+        TimeElapsedColumn(),
+    )
+    with Progress(
+        *columns, console=console, transient=True, disable=not console.is_terminal
+    ) as bar:
+        task = bar.add_task("the first cases", total=None)
+
+        def advance(done: int, total: int, left: float | None) -> None:
+            text = "" if left is None else f"about {_time(left)} left"
+            bar.update(task, description=text, completed=done, total=total)
+            if not console.is_terminal:
+                typer.echo(f"{done} of {total} cases {text}".rstrip(), err=True)
+
+        yield advance
+
+
+def _time(seconds: float) -> str:
+    minutes = round(seconds / 60.0)
+    if minutes < 1:
+        return f"{seconds:.0f} s"
+    return f"{minutes // 60} h {minutes % 60} min" if minutes >= 60 else f"{minutes} min"

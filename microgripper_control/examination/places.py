@@ -1,0 +1,52 @@
+"""Whether `where` points to where the rig's effect truly shows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from microgripper_control.examination.marking import Marked
+from microgripper_control.examination.sealed import Span
+from microgripper_control.examination.shares import Share
+
+OVERLAP = 0.5  # of the shorter of two ranges that are the same place
+
+
+@dataclass(frozen=True)
+class Places:
+    """Of some cases: reported ranges that are right, and true ones that are reported.
+
+    `precision` is of the ranges on axes on which the truth has a place; the truth is silent on the
+    others, and `elsewhere` counts the ranges there.
+    """
+
+    precision: Share
+    recall: Share
+    elsewhere: int
+
+
+def same(one: Span, other: Span) -> bool:
+    """Whether two ranges lie on one axis and share half of the shorter one."""
+    if one.axis != other.axis:
+        return False
+    shared = min(one.high, other.high) - max(one.low, other.low)
+    shorter = min(one.high - one.low, other.high - other.low)
+    return shared >= OVERLAP * shorter
+
+
+def places(cases: Iterable[Marked]) -> Places:
+    """Of the cases whose effects show somewhere in particular."""
+    right = reported = found = true = elsewhere = 0
+    for case in cases:
+        spans = [span for cause in case.sealed.seen for span in cause.where]
+        if not spans or case.diagnosis is None:
+            continue
+        said = [Span(r["axis"], r["low"], r["high"]) for r in case.diagnosis["where"]]
+        axes = {span.axis for span in spans}
+        on_axes = [one for one in said if one.axis in axes]
+        elsewhere += len(said) - len(on_axes)
+        right += sum(any(same(one, span) for span in spans) for one in on_axes)
+        reported += len(on_axes)
+        found += sum(any(same(one, span) for one in on_axes) for span in spans)
+        true += len(spans)
+    return Places(Share(right, reported), Share(found, true), elsewhere)

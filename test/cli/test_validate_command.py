@@ -1,0 +1,82 @@
+"""`microgripper validate`: what it writes and prints."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from microgripper_control.cli import validate
+from microgripper_control.examination import run as running
+from microgripper_control.examination.asking import ANSWERED, Asked
+from microgripper_control.examination.plan import Planned
+
+STAGES = dict.fromkeys(("drive", "material", "mechanics", "transmission", "sensor"), 0.0)
+NONE = {
+    "verdict": "none",
+    "effects": [],
+    "candidates": [
+        {
+            "effect": "none",
+            "stage": None,
+            "probability": 1.0,
+            "present": 1.0,
+            "heldout_rmse_m": 1e-8,
+        }
+    ],
+    "stages": STAGES,
+    "gap": {
+        "nominal_rmse_m": 1e-8,
+        "refit_rmse_m": 1e-8,
+        "augmented_rmse_m": 1e-8,
+        "noise_floor_m": 1e-8,
+        "free_form_fraction": 0.0,
+    },
+    "where": [],
+    "ambiguous": [],
+}
+
+
+@pytest.fixture(autouse=True)
+def short(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two small blanks, of which the second gets no good answer."""
+    cases = [
+        Planned(i + 1, "blind", (what,), "a", "medium", "loops", 8274 + i)
+        for i, what in enumerate(("none", "parameters"))
+    ]
+    monkeypatch.setattr(validate, "plan", lambda seed, quick: cases)
+    monkeypatch.setattr(running, "ask", lambda *given: Asked(ANSWERED, 1.0, 1.0, "", NONE))
+    monkeypatch.setattr(running, "compare", lambda *given: {})
+
+
+def test_it_writes_a_page_and_json_and_prints_the_demands(
+    microgripper: Callable[..., Any], tmp_path: Path
+) -> None:
+    ran = microgripper("validate", "--out", tmp_path, "--quick", "--jobs", 1)
+    assert ran.status == 0
+    assert "too few cases" in ran.out
+    assert "parameters taken for none, 1 times" in ran.out
+    assert "2 of 2 cases" in ran.err
+    assert (tmp_path / "validation.html").exists()
+    content = json.loads((tmp_path / "validation.json").read_text())
+    assert content["schema"] == "microgripper-validation/1"
+    assert [case["right"] for case in content["cases"]] == [True, False]
+
+
+def test_json_is_the_file_s(microgripper: Callable[..., Any], tmp_path: Path) -> None:
+    ran = microgripper("validate", "--out", tmp_path, "--json", "--jobs", 1)
+    assert json.loads(ran.out) == json.loads((tmp_path / "validation.json").read_text())
+
+
+def test_another_seed_does_not_mix_in(
+    microgripper: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    microgripper("validate", "--out", tmp_path, "--jobs", 1)
+    other = [Planned(1, "blind", ("none",), "a", "medium", "loops", 8300)]
+    monkeypatch.setattr(validate, "plan", lambda seed, quick: other)
+    ran = microgripper("validate", "--out", tmp_path, "--seed", 2, "--jobs", 1)
+    assert ran.status == 2
+    assert ran.err.strip().endswith("give another folder or remove this one")

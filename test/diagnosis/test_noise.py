@@ -1,0 +1,31 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from microgripper_control.diagnosis.noise import innovation, usual_innovation
+
+WHITE = np.random.default_rng(4).normal(0.0, 15e-9, 20000)
+WAVE = 1e-6 * np.sin(2e-3 * np.pi * np.arange(20000))
+
+
+def test_white_noise_is_all_new() -> None:
+    assert innovation([WHITE]) == pytest.approx(15e-9, rel=0.02)
+    assert usual_innovation(WHITE) == pytest.approx(15e-9, rel=0.03)
+
+
+def test_what_follows_from_its_past_is_not() -> None:
+    assert innovation([WHITE + WAVE]) < 1.2 * 15e-9
+    assert usual_innovation(WHITE + WAVE) < 1.2 * 15e-9
+
+
+def test_what_comes_now_and_then_is_new_but_not_usual() -> None:
+    steps = WHITE.copy()
+    steps[::100] += np.random.default_rng(5).normal(0.0, 1e-6, 200)
+    assert innovation([steps]) > 5.0 * 15e-9
+    assert usual_innovation(steps) < 1.3 * 15e-9
+
+
+def test_nothing_has_no_noise() -> None:
+    assert innovation([np.zeros(100)]) == 0.0
+    assert usual_innovation(np.zeros(100)) == 0.0

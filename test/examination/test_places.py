@@ -1,0 +1,31 @@
+"""Ranges against the rig's own."""
+
+from __future__ import annotations
+
+import pytest
+from hand_made import CONTACT, diagnosis, marked
+
+from microgripper_control.examination.places import places, same
+from microgripper_control.examination.sealed import Span
+from microgripper_control.examination.shares import Share
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "expected"),
+    [(10e-6, 20e-6, True), (14e-6, 30e-6, True), (16e-6, 30e-6, False), (19e-6, 19.5e-6, True)],
+)
+def test_half_of_the_shorter_range_must_be_shared(low: float, high: float, expected: bool) -> None:
+    assert same(Span("displacement_m", low, high), CONTACT) is expected
+    assert not same(Span("voltage_V", low, high), CONTACT)
+
+
+def test_precision_counts_the_axes_of_the_truth_and_recall_the_true_ranges() -> None:
+    said = (CONTACT, Span("displacement_m", 0.0, 1e-6), Span("voltage_V", 80.0, 160.0))
+    cases = [
+        marked(("contact",), diagnosis(("contact",), where=said), where=(CONTACT,)),
+        marked(("contact",), diagnosis(("contact",)), where=(CONTACT,)),
+        marked(("creep",), diagnosis(("creep",), where=said)),
+    ]
+    found = places(cases)
+    assert (found.precision, found.recall) == (Share(1, 2), Share(1, 2))
+    assert found.elsewhere == 1
