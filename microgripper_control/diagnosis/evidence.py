@@ -31,7 +31,7 @@ from microgripper_control.plant.model import Model
 GAP = 0.05  # of a block, on each side of a judged one
 MOST_PIECES = 5  # of a recording that is too long
 LONG_PIECE, SHORTEST_PIECE = 5000, 1000  # samples
-MOST = 150_000  # samples that explanations are tried on; each costs hundreds of simulations
+MOST = 300_000  # samples that explanations are tried on; each costs hundreds of simulations
 
 
 @dataclass(frozen=True)

@@ -50,6 +50,7 @@ def _rows_of_equals(recording: Recording) -> Iterator[tuple[int, int]]:
     lasts = np.concatenate([change, [len(x) - 1]])
     gain = float(np.ptp(x) / np.ptp(u)) if np.ptp(u) > 0.0 else 0.0
     allowed = max(MOVES * float(np.ptp(u)), FAR * resolution(x) / gain if gain > 0.0 else 0.0)
-    for first, last in zip(firsts, lasts, strict=True):
-        if last - first >= LONGEST and np.ptp(u[first : last + 1]) > allowed:
+    long = lasts - firsts >= LONGEST
+    for first, last in zip(firsts[long], lasts[long], strict=True):
+        if np.ptp(u[first : last + 1]) > allowed:
             yield int(first), int(last)

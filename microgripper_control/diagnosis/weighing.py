@@ -42,16 +42,16 @@ SHARPEST = 0.3  # of an error: what rounding leaves of it at least
 class Weights:
     """What the weighing was calibrated to; all in natural logarithms of odds or shares."""
 
-    least: float = 15.0  # independent samples that count, however few they seem,
-    most: float = 90.0  # and however many
-    mismatch: float = 0.06
+    least: float = 10.0  # independent samples that count, however few they seem,
+    most: float = 50.0  # and however many
+    mismatch: float = 0.07
     unknown_rest: float = 0.3
-    effect: float = 4.4
-    further: float = 3.8
-    unknown: float = 4.6
-    none: float = 3.7  # in favour of the model as it was given
+    effect: float = 4.0
+    further: float = 3.0
+    unknown: float = 5.0
+    none: float = 3.3  # in favour of the model as it was given
     agrees: float = 0.8  # for an effect whose signature is there
-    contradicts: float = 1.3  # against one whose signature should be there and is not
+    contradicts: float = 1.6  # against one whose signature should be there and is not
 
 
 CALIBRATED = Weights()
