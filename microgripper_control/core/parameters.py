@@ -39,6 +39,10 @@ class Parameter:
         unit = "" if self.unit == "1" else f" {self.unit}"
         return f"{self.low:g} .. {self.high:g}{unit}"
 
+    def nearest(self, value: float) -> float:
+        """The value itself if it is allowed, else the bound that it is past."""
+        return min(self.high, max(self.low, value))
+
     def check(self, value: float, where: str) -> float:
         """Return `value`, or raise MicrogripperError naming `where` and the allowed range."""
         if not math.isfinite(value) or not self.low <= value <= self.high:

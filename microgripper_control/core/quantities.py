@@ -19,15 +19,19 @@ def number(value: float, digits: int = 2) -> str:
     return f"{round(value, places):.{max(0, places)}f}"
 
 
+def power_of(unit: str, size: float) -> int:
+    """The power of ten, a key of PREFIXES, in which a size in a prefixed unit reads best."""
+    power = 3 * math.floor(math.log10(abs(size) * (1.0 + 1e-7)) / 3.0)
+    lowest = 0 if unit in NOT_BELOW_ONE else min(PREFIXES)
+    highest = 0 if unit in NOT_ABOVE_ONE else max(PREFIXES)
+    return min(max(power, lowest), highest)
+
+
 def quantity(value: float, unit: str, digits: int = 2) -> str:
     """A value with its unit, in the prefix in which it reads best: 8.5e-08 m is `85 nm`."""
     if unit not in PREFIXED or value == 0.0 or not math.isfinite(value):
         return f"{number(value, digits)} {unit}"
-    size = abs(float(f"{value:.{digits - 1}e}"))
-    power = 3 * math.floor(math.log10(size * (1.0 + 1e-9)) / 3.0)
-    lowest = 0 if unit in NOT_BELOW_ONE else min(PREFIXES)
-    highest = 0 if unit in NOT_ABOVE_ONE else max(PREFIXES)
-    power = min(max(power, lowest), highest)
+    power = power_of(unit, float(f"{value:.{digits - 1}e}"))
     return f"{number(value / 10.0**power, digits)} {PREFIXES[power]}{unit}"
 
 

@@ -15,7 +15,16 @@ from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.noise import innovation, removable
 from microgripper_control.diagnosis.schedule import side_by_side
 from microgripper_control.diagnosis.screening import guesses
-from microgripper_control.diagnosis.trial import Base, Trial, base_of, extend, judged, moved, refine
+from microgripper_control.diagnosis.trial import (
+    Base,
+    Trial,
+    base_of,
+    extend,
+    judged,
+    moved,
+    refine,
+    unfitted,
+)
 from microgripper_control.effects.registry import registry
 
 STARTS = 2  # best first guesses that are fitted
@@ -83,7 +92,7 @@ def explore(
     """Try the candidates, alone and together, as far as there is anything to explain."""
     pool = Pool(nominal, refit)
     names = [name for name in candidates if name not in pool.own]
-    fitted = [name for name in names if not _is_chosen(name)]
+    fitted = [name for name in names if not is_chosen(name)]
     bases = [base_of(evidence, refit), base_of(evidence, nominal)]
     for trial in _round(evidence, bases, names, len(names), pool, progress, jobs):
         pool.add(trial)
@@ -143,14 +152,15 @@ def _add_chosen(evidence: Evidence, pool: Pool, names: Sequence[str]) -> None:
     """Put effects that are read off, not fitted (a sensor's grid), behind the best explanations."""
     leaders = [trial for size in range(1, MOST_EFFECTS) for trial in pool.best(size, BEAM)]
     for name in names:
-        if not _is_chosen(name) or name not in {n for effects in pool.tried for n in effects}:
+        if not is_chosen(name) or name not in {n for effects in pool.tried for n in effects}:
             continue
         for leader in leaders:
             if name not in leader.effects:
                 pool.add(_behind(evidence, leader, name))
 
 
-def _is_chosen(name: str) -> bool:
+def is_chosen(name: str) -> bool:
+    """Whether an effect is read off the recordings and not fitted: a sensor's grid."""
     link = registry()[name]
     return not link.random and not any(parameter.fitted for parameter in link.parameters)
 
@@ -226,7 +236,7 @@ def _attempt(evidence: Evidence, bases: Sequence[Base], name: str) -> tuple[Tria
     link = registry()[name]
     if not link.starts(evidence.scales):
         return None, "nothing in the recordings to start from"
-    if _is_chosen(name):
+    if is_chosen(name):
         return _behind(evidence, bases[0].trial, name), ""
     part, anchors = _on_a_part(evidence, bases, name)
     starts = guesses(part, anchors, name, STARTS)
@@ -235,7 +245,9 @@ def _attempt(evidence: Evidence, bases: Sequence[Base], name: str) -> tuple[Tria
     if not found:
         return None, "no start could be fitted"
     best = min(found, key=lambda trial: trial.fitted_rmse)
-    return (judged(evidence, best) if part is evidence else moved(evidence, best)), ""
+    if part is evidence:
+        return judged(evidence, best), ""
+    return unfitted(evidence, moved(evidence, best)), ""
 
 
 def _on_a_part(

@@ -44,7 +44,6 @@ def _as_observed(problem: Problem, z: Array, model: Model) -> Model:
         if not count:
             continue
         for key, value in registry()[name].observed(model.values(name), own, time).items():
-            parameter = registry()[name].parameter(key)
-            inside = min(parameter.high, max(parameter.low, value))
+            inside = registry()[name].parameter(key).nearest(value)
             model = model.with_values({(name, key): inside})
     return model

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.trial import Base, problem_of
 from microgripper_control.effects.base import Values, no_courses
 from microgripper_control.effects.registry import registry
+from microgripper_control.identification.nuisance import Projection
 from microgripper_control.plant.model import Model
 
 RESCALED = 4  # guesses whose strength is corrected, and as many that are kept as they are
@@ -54,11 +54,8 @@ def guesses(evidence: Evidence, bases: Sequence[Base], effect: str, wanted: int)
 
 def _with(model: Model, effect: str, values: Values) -> Model:
     """The model with an effect, as far towards a guess as its parameters' ranges allow."""
-    declared = {p.name: p for p in registry()[effect].parameters}
-    inside = {
-        name: min(declared[name].high, max(declared[name].low, value))
-        for name, value in values.items()
-    }
+    link = registry()[effect]
+    inside = {name: link.parameter(name).nearest(value) for name, value in values.items()}
     return model.with_link(effect, **inside)
 
 
@@ -73,38 +70,27 @@ def _judge(evidence: Evidence, base: Base, model: Model) -> Guess | None:
     if residual.shape != base.residual.shape or not np.all(np.isfinite(residual)):
         return None
     rest, basis = base.residual, base.basis
-    if _has_courses(model):
+    own = _has_courses(model)
+    if own:
         rest = problem.projected(z, rest[:, None])[:, 0]
         basis = np.linalg.qr(problem.projected(z, basis))[0]
-    without = _off(basis, rest)
-    change = without - _off(basis, residual)
+    off = Projection(basis)
+    without = off(rest)
+    change = without - off(residual)
     power, size, match = (
         float(a @ b) for a, b in ((without, without), (change, change), (change, without))
     )
+    left = power - 2.0 * match + size
+    if own:  # courses are as strong as fits best already
+        return Guess(base, model, left, least=left, strength=1.0, idle=False)
     strength = match / size if size > 0.0 else 0.0
-    if _has_courses(model):
-        return Guess(
-            base, model, power - 2.0 * match + size, power - 2.0 * match + size, 1.0, False
-        )
-    return Guess(
-        base,
-        model,
-        left=power - 2.0 * match + size,
-        least=power - strength * match,
-        strength=strength,
-        idle=size < IDLE * power,
-    )
+    least = power - strength * match
+    return Guess(base, model, left, least, strength, idle=size < IDLE * power)
 
 
 def _has_courses(model: Model) -> bool:
     """Whether an effect's own courses take something away that the base could not."""
     return any(registry()[name].courses is not no_courses for name in model.effects)
-
-
-def _off(basis: Array, signal: Array) -> Array:
-    """What is left of a signal of shape (n,) without what the base parameters can do."""
-    left: Array = signal - basis @ (basis.T @ signal)
-    return left
 
 
 def _stronger(model: Model, effect: str, strength: float) -> Model:
@@ -119,6 +105,5 @@ def _stronger(model: Model, effect: str, strength: float) -> Model:
         else:
             size = min(STRONGEST, max(1.0 / STRONGEST, abs(strength)))
             factor = size if strength > 0.0 else -size
-        value = factor * values[parameter.name]
-        changed[effect, parameter.name] = min(parameter.high, max(parameter.low, value))
+        changed[effect, parameter.name] = parameter.nearest(factor * values[parameter.name])
     return model.with_values(changed) if changed else model

@@ -129,9 +129,8 @@ def unfitted(evidence: Evidence, trial: Trial) -> Trial:
 
 
 def moved(evidence: Evidence, trial: Trial) -> Trial:
-    """The same model on other recordings, judged: these start with an h of their own."""
-    initial = starting_hysteresis(evidence, trial.model)
-    return unfitted(evidence, replace(trial, initial_hysteresis=initial))
+    """The same model on other recordings, which start with an h of their own; not judged yet."""
+    return replace(trial, initial_hysteresis=starting_hysteresis(evidence, trial.model))
 
 
 def extend(evidence: Evidence, base: Base, model: Model, added: Sequence[str]) -> Trial | None:

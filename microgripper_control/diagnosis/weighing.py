@@ -24,12 +24,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from microgripper_control.diagnosis.exploration import Pool
+from microgripper_control.diagnosis.exploration import Pool, is_chosen
 from microgripper_control.diagnosis.findings import NONE, PARAMETERS, UNKNOWN, Signature
 from microgripper_control.diagnosis.noise import independent_samples, removable
 from microgripper_control.diagnosis.trial import Trial
-from microgripper_control.effects.base import Link
-from microgripper_control.effects.registry import registry
 
 Explanation = frozenset[str]
 NOTHING: Explanation = frozenset([NONE])
@@ -93,16 +91,12 @@ def _left(effects: Explanation, trial: Trial, pool: Pool) -> float:
     the rounded prediction is often worse. So it counts as taking away the variance of rounding,
     q^2 / 12, from what its other effects leave.
     """
-    rounding = [name for name in effects if _rounds(registry()[name])]
+    rounding = [name for name in effects if is_chosen(name)]
     if not rounding:
         return trial.rmse
     rest = pool.tried.get(effects - frozenset(rounding), pool.refit)
     step = max(trial.model.value(name, "resolution") for name in rounding)
     return float(np.sqrt(max(rest.rmse**2 - step**2 / 12.0, (SHARPEST * rest.rmse) ** 2)))
-
-
-def _rounds(link: Link) -> bool:
-    return any(parameter.name == "resolution" for parameter in link.parameters)
 
 
 def weigh(facts: Facts, weights: Weights = CALIBRATED) -> dict[Explanation, float]:

@@ -5,12 +5,7 @@ from __future__ import annotations
 import math
 import re
 
-from microgripper_control.core.quantities import (
-    NOT_ABOVE_ONE,
-    NOT_BELOW_ONE,
-    PREFIXED,
-    PREFIXES,
-)
+from microgripper_control.core.quantities import PREFIXED, PREFIXES, power_of
 from microgripper_control.diagnosis.findings import EFFECTS, NONE, PARAMETERS, UNKNOWN, Range
 
 MINUS, TIMES, ABSENT = "\u2212", "\u00d7", "\u2013"
@@ -76,10 +71,7 @@ def scaled(unit: str, size: float) -> tuple[float, str]:
         return 1.0, ""
     if unit not in PREFIXED or size == 0.0 or not math.isfinite(size):
         return 1.0, written(unit)
-    power = 3 * math.floor(math.log10(abs(size) * 1.0000001) / 3.0)
-    lowest = 0 if unit in NOT_BELOW_ONE else min(PREFIXES)
-    highest = 0 if unit in NOT_ABOVE_ONE else max(PREFIXES)
-    power = min(max(power, lowest), highest)
+    power = power_of(unit, size)
     return 10.0**-power, PREFIXES[power] + unit
 
 
