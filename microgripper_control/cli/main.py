@@ -10,6 +10,7 @@ from microgripper_control.cli.demo import demo
 from microgripper_control.cli.diagnose import diagnose, spread_heldout
 from microgripper_control.cli.identify import identify
 from microgripper_control.cli.paper import paper
+from microgripper_control.cli.repair import repair
 from microgripper_control.cli.simulate import simulate
 from microgripper_control.cli.stiffness import stiffness
 from microgripper_control.cli.validate import validate
@@ -21,7 +22,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (identify, simulate, diagnose, validate, stiffness, paper, demo):
+for command in (identify, simulate, diagnose, validate, stiffness, repair, paper, demo):
     app.command(no_args_is_help=command is not demo)(command)
 
 

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from microgripper_control.core.errors import one_line
 from microgripper_control.core.recording import Recording
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.model_file import load_model
@@ -39,7 +40,7 @@ def read_model(path: Path) -> Model:
     """Load a model; what to know before it is trusted is said on standard error."""
     model = load_model(path)
     for warning in model.warnings:
-        typer.echo(f"warning: {warning}", err=True)
+        typer.echo(f"warning: {one_line(warning)}", err=True)
     return model
 
 
@@ -52,6 +53,6 @@ def read_all(
     for path in paths:
         recording = read_recording(path, mapping, needs_displacement=needs_displacement)
         for warning in recording.warnings:
-            typer.echo(f"warning: {recording.name}: {warning}", err=True)
+            typer.echo(f"warning: {one_line(f'{recording.name}: {warning}')}", err=True)
         recordings.append(recording)
     return recordings

@@ -26,8 +26,8 @@ from microgripper_control.nodes import topics
 from microgripper_control.nodes.health import Health, Level
 from microgripper_control.nodes.parameters import declare_text, declare_texts
 from microgripper_control.nodes.shell import Shell, run
+from microgripper_control.recordings.bag_writer import STORAGES, BagWriter
 from microgripper_control.recordings.losses import Sequence, StampedSamples
-from microgripper_control.recordings.write import STORAGES, BagWriter
 
 USUAL_TOPICS = (
     topics.JOINT_STATES,

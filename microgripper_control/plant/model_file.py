@@ -22,6 +22,7 @@ import yaml
 
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.files import written_whole
+from microgripper_control.core.safe_yaml import load_yaml
 from microgripper_control.effects.base import Link
 from microgripper_control.effects.registry import link_named, registry
 from microgripper_control.plant.model import Model, Setting
@@ -35,14 +36,13 @@ def load_model(path: str | Path) -> Model:
     """Read a model; MicrogripperError names the file, the key and the remedy."""
     path = Path(path)
     try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+        content = load_yaml(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise MicrogripperError(f"{path}: cannot be read: {error.strerror}") from None
     except UnicodeDecodeError:
         raise MicrogripperError(f"{path}: is not a text file; a model is YAML") from None
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
-        reason = " ".join(str(error).split())
-        raise MicrogripperError(f"{path}: is not valid YAML: {reason}") from None
+    except ValueError as error:
+        raise MicrogripperError(f"{path}: is not valid YAML: {error}") from None
     return parse_model(content, str(path))
 
 

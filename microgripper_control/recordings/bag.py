@@ -4,22 +4,21 @@ from __future__ import annotations
 
 import heapq
 import re
+from collections import Counter
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 
 import numpy as np
-import yaml
 
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.recordings import mcap, sqlite
 from microgripper_control.recordings.library import LibraryBag
 from microgripper_control.recordings.mcap import McapFile
+from microgripper_control.recordings.metadata import METADATA, Metadata
 from microgripper_control.recordings.sqlite import SqliteFile
 from microgripper_control.recordings.storage import Block, StorageFile, Topic
 
-METADATA = "metadata.yaml"
 SUFFIXES = (".mcap", ".db3")
 ROS1_MAGIC = b"#ROSBAG"
 
@@ -35,7 +34,7 @@ class Bag:
         self.path = Path(path)
         self._notes: list[str] = []
         self._files: list[StorageFile] = []
-        self._counts: dict[str, int] = {}  # messages on a topic, by the metadata
+        self._counts: Counter[str] = Counter()  # messages that were written, by topic
         try:
             if self.path.is_dir():
                 self._open_folder()
@@ -47,8 +46,13 @@ class Bag:
         except MicrogripperError:
             self.close()
             raise
+        if not self._counts:
+            for file in self._files:
+                self._counts.update(file.counts)
         found = dict.fromkeys(topic for file in self._files for topic in file.topics)
         self.topics = tuple(sorted(found, key=lambda topic: (topic.name, topic.type)))
+        lost = {*+self._counts} - {topic.name for topic in found}
+        self._notes.extend(self._shortage(name, 0) for name in sorted(lost))
 
     def __enter__(self) -> Bag:
         return self
@@ -60,6 +64,11 @@ class Bag:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+
+    @property
+    def storage(self) -> str:
+        """rosbag2's name of its format, that of its first file."""
+        return self._files[0].storage
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -79,9 +88,12 @@ class Bag:
                 found[block.topic] += len(block)
                 yield block
         for topic, count in found.items():
-            if count < self._counts.get(topic.name, 0):
-                note = f"{topic.name}: {count} of {self._counts[topic.name]} messages are there"
+            if count < self._counts[topic.name]:
+                note = self._shortage(topic.name, count)
                 self._notes = [*(old for old in self._notes if old != note), note]
+
+    def _shortage(self, name: str, count: int) -> str:
+        return f"{name}: {count} of {self._counts[name]} messages are there"
 
     def messages(self, topics: Collection[Topic]) -> Iterator[tuple[Topic, int, bytes]]:
         """Topic, time of receipt (ns since 1970) and content of each message, in order of time."""
@@ -97,7 +109,7 @@ class Bag:
         present = sorted(
             (file for file in self.path.iterdir() if file.suffix in SUFFIXES), key=_natural_order
         )
-        metadata = _Metadata.read(self.path / METADATA)
+        metadata = Metadata.read(self.path)
         if metadata is not None and metadata.compressed:
             self._files.append(LibraryBag(self.path))
             return
@@ -108,7 +120,7 @@ class Bag:
                 )
             self._notes.append(f"{METADATA} is missing or damaged; the storage files were read")
         else:
-            self._counts = metadata.counts
+            self._counts.update(metadata.counts)
             listed = [self.path / name for name in metadata.files]
             lost = [file.name for file in listed if not file.is_file()]
             present = [file for file in listed if file.is_file()]
@@ -118,7 +130,7 @@ class Bag:
             self._notes.extend(f"{name} is listed in {METADATA} but not there" for name in lost)
         for file in present:
             try:
-                self._files.append(_open_file(file))
+                self._files.append(_open_file(file, listed=metadata is not None))
             except MicrogripperError as error:
                 if len(present) == 1:
                     raise
@@ -127,7 +139,7 @@ class Bag:
             raise MicrogripperError(f"{self.path}: {'; '.join(self._notes)}")
 
 
-def _open_file(path: Path) -> StorageFile:
+def _open_file(path: Path, *, listed: bool = False) -> StorageFile:
     if not path.exists():
         raise MicrogripperError(f"{path}: does not exist")
     with path.open("rb") as file:
@@ -137,7 +149,7 @@ def _open_file(path: Path) -> StorageFile:
     if head.startswith(mcap.MAGIC):
         return McapFile(path)
     if head.startswith(sqlite.MAGIC):
-        return SqliteFile(path)
+        return SqliteFile(path, closed=listed)
     if head.startswith(ROS1_MAGIC):
         raise MicrogripperError(f"{path}: is a bag of ROS 1; convert it with rosbags-convert")
     raise MicrogripperError(f"{path}: is neither MCAP nor SQLite: not a rosbag2")
@@ -147,34 +159,3 @@ def _natural_order(file: Path) -> list[tuple[int, str]]:
     """Sorts bag_2 before bag_10."""
     parts = re.findall(r"(\d+)|(\D+)", file.name)
     return [(int(number or 0), text) for number, text in parts]
-
-
-@dataclass(frozen=True)
-class _Metadata:
-    """What a metadata.yaml says of the bag: its files in order, whether rosbag2 compressed them."""
-
-    files: list[str]
-    compressed: bool
-    counts: dict[str, int]
-
-    @classmethod
-    def read(cls, path: Path) -> _Metadata | None:
-        """None where the file is not there or not whole."""
-        try:
-            content = yaml.safe_load(path.read_text(encoding="utf-8"))
-            told = content["rosbag2_bagfile_information"]
-            if int(told["version"]) >= 5 and "files" not in told:
-                return None  # cut off: from version 5 on it follows the names of the files
-            return cls(
-                # Names alone: a path in a bag must not lead out of its folder.
-                files=[Path(str(name)).name for name in told["relative_file_paths"]],
-                compressed=str(told.get("compression_mode") or "NONE").upper() != "NONE",
-                counts={
-                    str(topic["topic_metadata"]["name"]): int(topic["message_count"])
-                    for topic in told["topics_with_message_count"]
-                },
-            )
-        except FileNotFoundError:
-            return None
-        except (yaml.YAMLError, ValueError, TypeError, KeyError, AttributeError, RecursionError):
-            return None

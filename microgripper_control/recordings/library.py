@@ -18,6 +18,7 @@ MESSAGES_AT_ONCE = 4096
 class LibraryBag:
     """A whole bag folder; MicrogripperError if rosbags cannot read it."""
 
+    storage = "compressed"
     damage: str | None = None
 
     def __init__(self, folder: Path) -> None:
@@ -37,6 +38,7 @@ class LibraryBag:
             topic = Topic(connection.topic, connection.msgtype, encoding, known)
             self._topics[connection.id] = topic
         self.topics = tuple(dict.fromkeys(self._topics.values()))
+        self.counts: dict[str, int] = {}
 
     def blocks(self, topics: Collection[Topic]) -> Iterator[Block]:
         """The messages of some topics in the order in which they were received."""

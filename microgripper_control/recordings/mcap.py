@@ -3,9 +3,6 @@
 rosbags reads MCAP message by message and refuses a file without its end, which is what a recorder
 that was killed leaves behind. Here the records are found by a compiled loop, the messages stay
 where they are in the file, and what is damaged is passed over and told.
-
-The format (https://mcap.dev/spec): a file is a row of records (opcode, length, content), most of
-them packed into chunks; a summary at the end repeats what the topics are.
 """
 
 from __future__ import annotations
@@ -13,79 +10,40 @@ from __future__ import annotations
 import struct
 from binascii import crc32
 from collections.abc import Collection, Iterable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from rosbags.rosbag2.storage_mcap import decompress
 
-from microgripper_control.core.compiled import compiled
 from microgripper_control.core.errors import MicrogripperError
-from microgripper_control.recordings.storage import Block, Bytes, Integers, Topic
+from microgripper_control.recordings.mcap_records import (
+    CHANNEL,
+    CHUNK,
+    CHUNK_HEAD,
+    FOOTER,
+    MESSAGE,
+    RECORD_HEAD,
+    SCHEMA,
+    STATISTICS,
+    Records,
+    is_whole_chunk,
+    pairs_of_texts,
+    texts,
+)
+from microgripper_control.recordings.storage import Block, Bytes, Topic
 
 MAGIC = b"\x89MCAP0\r\n"
-FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK = 0x02, 0x03, 0x04, 0x05, 0x06
-RECORD_HEAD = 9  # bytes: opcode, length
 MESSAGE_HEAD = 22  # bytes: channel, sequence, time logged, time published
-CHUNK_HEAD = struct.Struct("<QQQII")  # first and last time, size, checksum, length of method
 FOOTER_SIZE = RECORD_HEAD + 20
-RECORDS_AT_ONCE = 65536
-
-
-@compiled
-def _find(data: Bytes, at: int, opcodes: Bytes, starts: Integers, ends: Integers) -> int:
-    """Fill in the records from byte `at` on until the arrays or the whole records end."""
-    count = 0
-    while count < len(opcodes) and at + RECORD_HEAD <= len(data):
-        length = 0
-        for i in range(8):
-            length |= np.int64(data[at + 1 + i]) << (8 * i)
-        # Opcode 0 is not allowed: it is what a file system leaves in place of lost data.
-        if data[at] == 0 or length < 0 or length > len(data) - at - RECORD_HEAD:
-            break
-        opcodes[count] = data[at]
-        starts[count] = at + RECORD_HEAD
-        at += RECORD_HEAD + length
-        ends[count] = at
-        count += 1
-    return count
-
-
-@dataclass(frozen=True)
-class Records:
-    """Whole records in a row, at least one: content i is data[starts[i]:ends[i]]."""
-
-    data: Bytes
-    opcodes: Bytes
-    starts: Integers
-    ends: Integers
-
-    @classmethod
-    def runs(cls, data: Bytes, at: int) -> Iterator[Records]:
-        """The records from byte `at` on, thousands at a time, up to one that is not whole."""
-        while True:
-            size = max(0, min(RECORDS_AT_ONCE, (len(data) - at) // RECORD_HEAD))
-            opcodes = np.empty(size, np.uint8)
-            starts, ends = np.empty(size, np.int64), np.empty(size, np.int64)
-            count = _find(data, at, opcodes, starts, ends)
-            if not count:
-                return
-            yield cls(data, opcodes[:count], starts[:count], ends[:count])
-            at = int(ends[count - 1])
-
-    def spans(self, opcode: int) -> tuple[Integers, Integers]:
-        """Where the contents of the records of one kind start and end."""
-        chosen = self.opcodes == opcode
-        return self.starts[chosen], self.ends[chosen]
-
-    def contents(self, opcode: int) -> Iterator[bytes]:
-        """The contents of the records of one kind."""
-        for start, end in zip(*self.spans(opcode), strict=True):
-            yield self.data[start:end].tobytes()
+STATISTICS_HEAD = struct.Struct("<QHIIIIQQI")  # counts, times, length of the counts by channel
+QOS = "offered_qos_profiles"
+SEARCHED_AT_ONCE = 2**24  # bytes
 
 
 class McapFile:
     """One MCAP file, whole or not; MicrogripperError if it is none."""
+
+    storage = "mcap"
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -95,11 +53,10 @@ class McapFile:
         self._damaged: list[int] = []  # bytes at which something could not be read
         self._definitions: dict[int, tuple[str, str]] = {}  # schema -> type, its definition
         self._channels: dict[int, Topic] = {}
-        try:
-            for records in self._summary() or self._stretches():
-                self._learn_topics(records)
-        except (struct.error, UnicodeDecodeError):
-            raise MicrogripperError(f"{path}: is damaged: its topics cannot be read") from None
+        self.counts: dict[str, int] = {}
+        whole = self._learn(self._summary()) and bool(self._channels)
+        if not whole and not self._learn(self._stretches()) and not self._channels:
+            raise MicrogripperError(f"{path}: is damaged: its topics cannot be read")
         self.topics = tuple(dict.fromkeys(self._channels.values()))
 
     @property
@@ -147,33 +104,71 @@ class McapFile:
         summary = list(Records.runs(self._data, start))
         return summary if any(CHANNEL in records.opcodes for records in summary) else ()
 
+    def _learn(self, source: Iterable[Records]) -> bool:
+        """Take topics and counts from records; whether all of them could be read."""
+        self.counts.clear()
+        try:
+            for records in source:
+                self._learn_topics(records)
+                self._learn_counts(records)
+        except (struct.error, UnicodeDecodeError):
+            return False
+        return True
+
     def _learn_topics(self, records: Records) -> None:
         for content in records.contents(SCHEMA):
             (number,) = struct.unpack_from("<H", content)
-            name, encoding, definition = _texts(content, 2, 3)
+            name, encoding, definition = texts(content, 2, 3)
             self._definitions[number] = name, definition if encoding == "ros2msg" else ""
         for content in records.contents(CHANNEL):
             number, schema = struct.unpack_from("<HH", content)
-            name, encoding = _texts(content, 4, 2)
+            name, encoding = texts(content, 4, 2)
             kind, definition = self._definitions.get(schema, ("unknown type", ""))
-            self._channels[number] = Topic(name, kind, encoding, definition)
+            noted = pairs_of_texts(content, 12 + len(name.encode()) + len(encoding.encode()))
+            self._channels[number] = Topic(name, kind, encoding, definition, noted.get(QOS, ""))
+
+    def _learn_counts(self, records: Records) -> None:
+        for content in records.contents(STATISTICS):
+            length = STATISTICS_HEAD.unpack_from(content)[-1]
+            counted = content[STATISTICS_HEAD.size :][: length // 10 * 10]
+            for number, count in struct.iter_unpack("<HQ", counted):
+                if number in self._channels:
+                    name = self._channels[number].name
+                    self.counts[name] = self.counts.get(name, 0) + count
 
     def _stretches(self) -> Iterator[Records]:
         """All whole records of the file and, after them, of the chunks among them."""
         self._damaged.clear()
         at, size = len(MAGIC), len(self._data)
-        for records in Records.runs(self._data, at):
-            yield records
-            for start, end in zip(*records.spans(CHUNK), strict=True):
-                yield from self._chunk(int(start), int(end))
-            at = int(records.ends[-1])
-        if self._data[at:].tobytes() == MAGIC:
-            return
-        self._damaged.append(at)
-        if at + RECORD_HEAD < size and self._data[at] == CHUNK:
-            # What a recorder leaves that was killed while it wrote: its first part is as good as
-            # any.
-            yield from self._chunk(at + RECORD_HEAD, size)
+        while True:
+            for records in Records.runs(self._data, at):
+                yield records
+                for start, end in zip(*records.spans(CHUNK), strict=True):
+                    yield from self._chunk(int(start), int(end))
+                at = int(records.ends[-1])
+            if self._data[at:].tobytes() == MAGIC:
+                return
+            self._damaged.append(at)
+            following = self._next_chunk(at)
+            if at + RECORD_HEAD < size and self._data[at] == CHUNK:
+                # What a recorder leaves that was killed while it wrote: its first part is as good
+                # as any.
+                yield from self._chunk(at + RECORD_HEAD, following)
+            if following == size:
+                return
+            at = following
+
+    def _next_chunk(self, at: int) -> int:
+        """Where the next whole chunk begins behind byte `at`, or the end of the file."""
+        size = len(self._data)
+        for begin in range(at + 1, size, SEARCHED_AT_ONCE):
+            part = self._data[begin : begin + SEARCHED_AT_ONCE]
+            for offset in np.flatnonzero(part == CHUNK):
+                start = begin + int(offset)
+                head = self._data[start : start + RECORD_HEAD + CHUNK_HEAD.size + 16].tobytes()
+                if is_whole_chunk(head, size - start):
+                    return start
+        return size
 
     def _chunk(self, start: int, end: int) -> Iterator[Records]:
         """The records packed into the chunk whose content is data[start:end], perhaps cut off."""
@@ -182,9 +177,9 @@ class McapFile:
             self._damaged.append(start)
             return
         _, _, size, checksum, method_length = CHUNK_HEAD.unpack(head)
-        at = start + CHUNK_HEAD.size + method_length + 8
-        method = self._data[start + CHUNK_HEAD.size : at - 8].tobytes()
-        packed = self._data[at:end]
+        at = start + CHUNK_HEAD.size + method_length
+        method, length = self._data[at - method_length : at].tobytes(), self._data[at : at + 8]
+        packed = self._data[at + 8 : min(end, at + 8 + int.from_bytes(length.tobytes(), "little"))]
         if method:
             try:
                 plain = decompress(packed.tobytes(), method.decode(), size, checksum)
@@ -192,23 +187,11 @@ class McapFile:
                 self._damaged.append(start)
                 return
             packed = np.frombuffer(plain, np.uint8)
-        elif checksum and len(packed) == size and crc32(packed.data) != checksum:
-            self._damaged.append(start)
-            return
-        read = 0
-        for records in Records.runs(packed, 0):
-            yield records
-            read = int(records.ends[-1])
+        runs = list(Records.runs(packed, 0))
+        read = int(runs[-1].ends[-1]) if runs else 0
         if read < size:
             self._damaged.append(start)
-
-
-def _texts(content: bytes, at: int, count: int) -> list[str]:
-    """`count` texts in a row from byte `at` on, each after its length."""
-    found = []
-    for _ in range(count):
-        (length,) = struct.unpack_from("<I", content, at)
-        (text,) = struct.unpack_from(f"<{length}s", content, at + 4)
-        found.append(text.decode())
-        at += 4 + length
-    return found
+        elif not method and checksum and crc32(packed.data) != checksum:
+            self._damaged.append(start)  # any of its values may be the wrong one
+            return
+        yield from runs

@@ -16,31 +16,42 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.recordings.metadata import counts_in
 from microgripper_control.recordings.storage import Block, Topic
 
 MAGIC = b"SQLite format 3\x00"
+WRITE_AHEAD = 18, b"\2\2"  # where the header says that a -wal file belongs to it
 SMALLEST_PAGE = 512  # bytes
 SIDE_FILES = ("-wal", "-journal")  # beside a file whose writer has not finished
 ROWS_AT_ONCE = 4096
+FARTHEST_LEAP = 2**40  # messages
 
 
 class SqliteFile:
-    """One SQLite3 file, whole or not; MicrogripperError if it is no rosbag2."""
+    """One SQLite3 file, whole or not; MicrogripperError if it is no rosbag2.
 
-    def __init__(self, path: Path) -> None:
+    `closed` says that its writer is known to have finished.
+    """
+
+    storage = "sqlite3"
+
+    def __init__(self, path: Path, *, closed: bool = False) -> None:
         self._path = path
+        self._closed = closed
         self._copy: TemporaryDirectory[str] | None = None
         self.damage = self._find_damage()
         self._database = self._connect()
+        self._database.text_factory = lambda text: text.decode(errors="replace")
         try:
             self._numbers = self._read_topics()
-        except (sqlite3.Error, TypeError, UnicodeDecodeError):
+        except (sqlite3.Error, TypeError):
             self.close()
             raise MicrogripperError(f"{path}: is damaged: its topics cannot be read") from None
         except MicrogripperError:
             self.close()
             raise
         self.topics = tuple(dict.fromkeys(self._numbers.values()))
+        self.counts = self._read_counts()
 
     def blocks(self, topics: Collection[Topic]) -> Iterator[Block]:
         """The messages of some topics, one topic after the other, in the order of receipt."""
@@ -49,22 +60,41 @@ class SqliteFile:
                 yield from self._blocks_of(number, topic)
 
     def _blocks_of(self, number: int, topic: Topic) -> Iterator[Block]:
-        try:
-            # In the order of the table: the index by time may lie in a part that is lost.
-            cursor = self._database.execute(
-                "SELECT timestamp, data FROM messages WHERE topic_id = ? ORDER BY id", [number]
-            )
-            while True:
-                rows: list[tuple[int, bytes]] = []
-                try:
-                    rows.extend(islice(cursor, ROWS_AT_ONCE))
-                finally:  # what comes before an error is good
-                    if rows:
-                        yield Block.of(topic, [row[0] for row in rows], [row[1] for row in rows])
-                if not rows:
-                    return
-        except (sqlite3.Error, TypeError, OverflowError):  # not a number, too large for one
-            self.damage = f"{self._path.name} is damaged: what could not be read is missing"
+        after, leap = -1, 1  # a part that is damaged is leapt over
+        while leap < FARTHEST_LEAP:
+            try:
+                # In the order of the table: the index by time may lie in a part that is lost.
+                cursor = self._database.execute(
+                    "SELECT id, timestamp, data FROM messages WHERE topic_id = ? AND id > ? "
+                    "ORDER BY id",
+                    [number, after],
+                )
+                while True:
+                    rows: list[tuple[int, object, object]] = []
+                    try:
+                        rows.extend(islice(cursor, ROWS_AT_ONCE))
+                    finally:  # what comes before an error is good
+                        if rows:
+                            after, leap = rows[-1][0], 1
+                            yield from self._block(topic, rows)
+                    if not rows:
+                        return
+            except sqlite3.Error:
+                self._note_damage()
+                after += leap
+                leap *= 2
+
+    def _block(self, topic: Topic, rows: list[tuple[int, object, object]]) -> Iterator[Block]:
+        good = [
+            (at, data) for _, at, data in rows if isinstance(at, int) and isinstance(data, bytes)
+        ]
+        if len(good) < len(rows):
+            self._note_damage()
+        if good:
+            yield Block.of(topic, [at for at, _ in good], [data for _, data in good])
+
+    def _note_damage(self) -> None:
+        self.damage = f"{self._path.name} is damaged: what could not be read is missing"
 
     def close(self) -> None:
         """Let go of the file."""
@@ -86,6 +116,12 @@ class SqliteFile:
             return f"{self._path.name} is cut off: what could not be read is missing"
         if self._side_files():
             return f"{self._path.name} was not closed: what was not yet written is missing"
+        where, write_ahead = WRITE_AHEAD
+        if header[where:].startswith(write_ahead) and not self._closed:
+            return (
+                f"{self._path.name} was perhaps not closed: messages in its file "
+                f"{self._path.name}-wal, which is not here, would be missing"
+            )
         return None
 
     def _side_files(self) -> list[Path]:
@@ -105,8 +141,10 @@ class SqliteFile:
 
     def _read_topics(self) -> dict[int, Topic]:
         """Topics by their number in the file."""
-        # Without this SQLite refuses a file that is shorter than its header says.
-        self._database.execute("PRAGMA writable_schema = ON")
+        # Without the first SQLite refuses a file that is shorter than its header says; the others
+        # are its advice for files of unknown origin.
+        for setting in ("writable_schema = ON", "trusted_schema = OFF", "cell_size_check = ON"):
+            self._database.execute(f"PRAGMA {setting}")
         # Tables alone: a view can be made to go on for ever.
         query = "SELECT name FROM sqlite_master WHERE type = 'table'"
         tables = {name for (name,) in self._database.execute(query)}
@@ -116,9 +154,18 @@ class SqliteFile:
         if "message_definitions" in tables:
             query = "SELECT topic_type, encoded_message_definition FROM message_definitions"
             definitions.update(self._database.execute(f"{query} WHERE encoding = 'ros2msg'"))
+        columns = {row[1] for row in self._database.execute("PRAGMA table_info(topics)")}
+        qos = "offered_qos_profiles" if "offered_qos_profiles" in columns else "''"
         return {
-            number: Topic(name, kind, encoding, definitions.get(kind, ""))
-            for number, name, kind, encoding in self._database.execute(
-                "SELECT id, name, type, serialization_format FROM topics"
+            number: Topic(name, kind, encoding, definitions.get(kind, ""), str(offered))
+            for number, name, kind, encoding, offered in self._database.execute(
+                f"SELECT id, name, type, serialization_format, {qos} FROM topics"
             )
         }
+
+    def _read_counts(self) -> dict[str, int]:
+        try:
+            rows = self._database.execute("SELECT metadata FROM metadata ORDER BY id").fetchall()
+        except sqlite3.Error:  # not there before version 4 of the format
+            return {}
+        return counts_in(str(rows[-1][0])) if rows else {}

@@ -25,6 +25,7 @@ class Topic:
     type: str
     encoding: str = field(default="cdr", compare=False)
     definition: str = field(default="", compare=False)  # of the type, in .msg form, if known
+    qos: str = field(default="", compare=False)  # offered by its publishers, as rosbag2's YAML
 
     def __str__(self) -> str:
         return f"{self.name} ({self.type})"
@@ -62,9 +63,15 @@ class Block:
 
 
 class StorageFile(Protocol):
-    """One file of a bag."""
+    """One file of a bag.
 
+    `storage` is rosbag2's name of the format; `counts` the messages by topic that the file itself
+    says it has, empty where it does not.
+    """
+
+    storage: str
     topics: tuple[Topic, ...]
+    counts: dict[str, int]
 
     @property
     def damage(self) -> str | None:

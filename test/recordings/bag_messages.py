@@ -12,9 +12,9 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.recordings.bag_writer import STORAGES
 from microgripper_control.recordings.mapping import Mapping
 from microgripper_control.recordings.read import read_recording
-from microgripper_control.recordings.write import STORAGES
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
 JOINT_STATE = "sensor_msgs/msg/JointState"

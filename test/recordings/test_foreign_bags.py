@@ -18,9 +18,9 @@ from bag_messages import (
 from rosbags.rosbag2 import Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
+from microgripper_control.recordings.bag_writer import STORAGES
 from microgripper_control.recordings.mapping import Mapping
 from microgripper_control.recordings.read import read_recording
-from microgripper_control.recordings.write import STORAGES
 
 
 def test_several_setpoints_are_left_to_the_user(tmp_path: Path) -> None:

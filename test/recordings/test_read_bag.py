@@ -20,9 +20,10 @@ from rosbags.rosbag2 import CompressionMode
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.recordings.bag import Bag
+from microgripper_control.recordings.bag_writer import STORAGES, BagWriter
 from microgripper_control.recordings.mapping import Mapping
 from microgripper_control.recordings.read import read_recording
-from microgripper_control.recordings.write import STORAGES, BagWriter, write_bag
+from microgripper_control.recordings.write import write_bag
 
 
 @pytest.mark.parametrize("storage", STORAGES)
@@ -50,7 +51,7 @@ def test_blocks_are_put_together(
     tmp_path: Path, storage: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Far more messages than are read at a time."""
-    monkeypatch.setattr("microgripper_control.recordings.mcap.RECORDS_AT_ONCE", 7)
+    monkeypatch.setattr("microgripper_control.recordings.mcap_records.RECORDS_AT_ONCE", 7)
     monkeypatch.setattr("microgripper_control.recordings.sqlite.ROWS_AT_ONCE", 7)
     recording = Recording("run", 1e-3, np.arange(100.0), np.arange(100.0), np.arange(100.0))
     write_bag(tmp_path / "run", recording, storage)

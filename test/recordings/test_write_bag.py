@@ -11,7 +11,8 @@ from rosbags.highlevel import AnyReader
 
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.recording import Recording
-from microgripper_control.recordings.write import STORAGES, BagWriter, write_bag
+from microgripper_control.recordings.bag_writer import STORAGES, BagWriter
+from microgripper_control.recordings.write import write_bag
 
 COUNT = 20
 FLOAT64 = "std_msgs/msg/Float64"
