@@ -19,11 +19,7 @@ def repair(
     bag: Annotated[Path, typer.Argument(metavar="BAG", help="A rosbag2's folder.")],
     json_: JsonOption = False,
 ) -> None:
-    """Restore index and metadata of a bag that was not closed or was damaged.
-
-    What can be read takes the bag's place; the damaged bag is kept beside it. A whole bag is left
-    as it is.
-    """
+    """Restore index and metadata of a bag that was not closed or was damaged; the old is kept."""
     with sigterm_as_interrupt(), Console(stderr=True).status("reading") as status:
         done = repair_bag(bag, status.update)
     for lost in done.lost:

@@ -8,12 +8,12 @@ only copy at stake, and a repair that was cut off can be begun again.
 from __future__ import annotations
 
 import os
+import shutil
 from collections import Counter
 from collections.abc import Callable
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.recordings.bag import Bag
@@ -47,7 +47,7 @@ def repair_bag(path: str | Path, progress: OnProgress = lambda stage: None) -> R
     an earlier repair is in the way, or the new bag cannot be written; then nothing has changed.
     """
     path = Path(path).resolve()
-    kept = path.with_name(path.name + KEPT)
+    kept, workshop = path.with_name(path.name + KEPT), path.with_name(f".{path.name}.repairing")
     if not path.exists() and kept.is_dir():
         kept.rename(path)  # a repair was cut off between its last two steps
     if path.is_file():
@@ -56,6 +56,7 @@ def repair_bag(path: str | Path, progress: OnProgress = lambda stage: None) -> R
         )
     try:
         with Bag(path) as bag, closing(FolderLock(path)):
+            shutil.rmtree(workshop, ignore_errors=True)  # of a repair that was cut off
             found = _count(bag, progress)
             if not bag.warnings:
                 return Repair(path, found)
@@ -63,7 +64,7 @@ def repair_bag(path: str | Path, progress: OnProgress = lambda stage: None) -> R
                 raise MicrogripperError(
                     f"{kept}: is there already, the original of an earlier repair; move it away"
                 )
-            messages, left_out = _replace(bag, path, kept, progress)
+            messages, left_out = _replace(bag, path, kept, workshop, progress)
             return Repair(path, messages, (*bag.warnings, *left_out), kept)
     except OSError as error:
         raise MicrogripperError(f"{path}: cannot be repaired: {error.strerror}") from None
@@ -79,11 +80,12 @@ def _count(bag: Bag, progress: OnProgress) -> dict[str, int]:
 
 
 def _replace(
-    bag: Bag, path: Path, kept: Path, progress: OnProgress
+    bag: Bag, path: Path, kept: Path, workshop: Path, progress: OnProgress
 ) -> tuple[dict[str, int], list[str]]:
     """Write the new bag and put it in the old one's place."""
-    with TemporaryDirectory(prefix=f".{path.name}.", dir=path.parent) as folder:
-        fresh = Path(folder, path.name)
+    workshop.mkdir()
+    try:
+        fresh = workshop / path.name
         written, left_out = _copy(bag, fresh, progress)
         with Bag(fresh) as copy:
             if _count(copy, progress) != written or copy.warnings:
@@ -97,6 +99,8 @@ def _replace(
             kept.rename(path)
             raise
         _sync(path.parent)
+    finally:
+        shutil.rmtree(workshop, ignore_errors=True)
     return written, left_out
 
 
