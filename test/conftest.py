@@ -7,8 +7,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 from microgripper_control.demo.domain import DISCOVERY_VARIABLES, unused_domain
+
+settings.register_profile("chaos", max_examples=500, deadline=None)
 
 
 @pytest.fixture

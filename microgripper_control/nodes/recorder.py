@@ -86,7 +86,7 @@ class Recorder(Shell):
         try:
             now = time.monotonic()
             end, quiet = now + LONGEST_END, now + QUIET
-            while time.monotonic() < min(end, quiet):
+            while time.monotonic() < min(end, quiet) and not self._bag.broken:
                 if self._take():
                     quiet = time.monotonic() + QUIET
                 time.sleep(TAKE_PERIOD)

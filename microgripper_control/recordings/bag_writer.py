@@ -58,6 +58,7 @@ class BagWriter:
             raise MicrogripperError(f"{path}: unknown storage {storage!r}; known are {known}")
         if self.path.exists():
             raise MicrogripperError(f"{path}: exists already; recordings are not overwritten")
+        self.broken = False  # nothing more can be written
         self._types = get_typestore(Stores.ROS2_JAZZY)
         self._topics: dict[str, Connection] = {}
         self._writer = Writer(self.path, version=VERSION, storage_plugin=STORAGES[storage])
@@ -154,5 +155,6 @@ class BagWriter:
         try:
             yield
         except (OSError, sqlite3.Error, WriterError) as error:
+            self.broken = True
             reason = getattr(error, "strerror", None) or error
             raise MicrogripperError(f"{self.path}: cannot be written: {reason}") from None

@@ -102,6 +102,8 @@ class _Walk:
 
     def message(self, kind: str, prefix: str) -> None:
         for name, description in self._types[kind][1]:
+            if self.at > len(self._bytes):
+                raise LayoutError("is shorter than its type asks for")
             self._field(description, prefix + name)
 
     def _field(self, description: FieldDesc, path: str) -> None:
@@ -112,6 +114,8 @@ class _Walk:
         else:
             inner, size = description[1]
             count = size if description[0] is Nodetype.ARRAY else self._length()
+            if count > len(self._bytes):
+                raise LayoutError("is shorter than its type asks for")
             if inner[0] is Nodetype.BASE:
                 self._values(inner[1][0], path, count)
             else:
@@ -135,12 +139,12 @@ class _Walk:
         self._align(4)
         (length,) = struct.unpack_from(f"{self._order}I", self._bytes, self.at)
         self._fix(4)
-        if length > len(self._bytes):
-            raise LayoutError("is shorter than its type asks for")
         return int(length)
 
     def _text(self) -> str:
         length = self._length()
+        if length > len(self._bytes):
+            raise LayoutError("is shorter than its type asks for")
         start = self.at
         self._fix(length)
         return self._bytes[start : self.at].rstrip(b"\0").decode(errors="replace")

@@ -76,6 +76,7 @@ class McapFile:
             for topic in topics
         }
         for records in self._stretches():
+            self._check_topics(records)
             starts, ends = records.spans(MESSAGE)
             whole = ends - starts >= MESSAGE_HEAD
             if not np.all(whole):
@@ -121,11 +122,24 @@ class McapFile:
             name, encoding, definition = texts(content, 2, 3)
             self._definitions[number] = name, definition if encoding == "ros2msg" else ""
         for content in records.contents(CHANNEL):
-            number, schema = struct.unpack_from("<HH", content)
-            name, encoding = texts(content, 4, 2)
+            number, schema, name, encoding = _channel(content)
             kind, definition = self._definitions.get(schema, ("unknown type", ""))
             noted = pairs_of_texts(content, 12 + len(name.encode()) + len(encoding.encode()))
             self._channels[number] = Topic(name, kind, encoding, definition, noted.get(QOS, ""))
+
+    def _check_topics(self, records: Records) -> None:
+        """What the summary told of the topics must be what stands beside the messages."""
+        for start, content in zip(
+            records.spans(CHANNEL)[0], records.contents(CHANNEL), strict=True
+        ):
+            try:
+                number, _, name, _ = _channel(content)
+                known = self._channels.get(number)
+                agrees = known is not None and known.name == name
+            except (struct.error, UnicodeDecodeError):
+                agrees = False
+            if not agrees:
+                self._damaged.append(int(start))
 
     def _learn_counts(self, records: Records) -> None:
         for content in records.contents(STATISTICS):
@@ -195,3 +209,10 @@ class McapFile:
             self._damaged.append(start)  # any of its values may be the wrong one
             return
         yield from runs
+
+
+def _channel(content: bytes) -> tuple[int, int, str, str]:
+    """Number, schema, topic and encoding of a channel."""
+    number, schema = struct.unpack_from("<HH", content)
+    name, encoding = texts(content, 4, 2)
+    return number, schema, name, encoding
