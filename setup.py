@@ -46,7 +46,10 @@ TEST = [
     "types-PyYAML>=6.0.12,<6.1",  # types of PyYAML
 ]
 
-CONFIG = [str(path) for path in sorted(Path("config").glob("*.yaml"))]
+CONFIG = {
+    str(folder): [str(file) for file in sorted(folder.iterdir()) if file.is_file()]
+    for folder in map(Path, ("config", "config/sros2", "config/sros2/common"))
+}
 LAUNCH = [str(path) for path in sorted(Path("launch").glob("*.launch.py"))]
 NODES = [
     "plant_simulator",
@@ -69,7 +72,7 @@ setup(
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
-        (f"share/{NAME}/config", CONFIG),
+        *((f"share/{NAME}/{folder}", files) for folder, files in CONFIG.items()),
         (f"share/{NAME}/launch", LAUNCH),
     ],
     python_requires=">=3.10",

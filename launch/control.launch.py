@@ -14,6 +14,11 @@ from launch_ros.substitutions import FindPackageShare
 PACKAGE = "microgripper_control"
 
 
+def enclave(node: str) -> list[str]:
+    """Where the node finds its rights, if security is on: see docs/security.md."""
+    return ["--enclave", f"/microgripper/{node}"]
+
+
 def generate_launch_description() -> LaunchDescription:
     """Start the loop; `simulate:=false` where a driver publishes joint_states."""
     usual = PathJoinSubstitution([FindPackageShare(PACKAGE), "config", "microgripper.yaml"])
@@ -35,14 +40,26 @@ def generate_launch_description() -> LaunchDescription:
             DeclareLaunchArgument("watch", default_value="false"),
             Node(
                 executable="plant_simulator",
+                ros_arguments=enclave("plant_simulator"),
                 parameters=[file, lockstep],
                 condition=IfCondition(LaunchConfiguration("simulate")),
                 **common,
             ),
-            Node(executable="controller", parameters=[file, lockstep, mode], **common),
-            Node(executable="reference", parameters=[file], **common),
+            Node(
+                executable="controller",
+                ros_arguments=enclave("controller"),
+                parameters=[file, lockstep, mode],
+                **common,
+            ),
+            Node(
+                executable="reference",
+                ros_arguments=enclave("reference"),
+                parameters=[file],
+                **common,
+            ),
             Node(
                 executable="diagnoser",
+                ros_arguments=enclave("diagnoser"),
                 parameters=[file],
                 condition=IfCondition(LaunchConfiguration("watch")),
                 **common,

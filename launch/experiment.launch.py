@@ -12,6 +12,11 @@ from launch_ros.substitutions import FindPackageShare
 PACKAGE = "microgripper_control"
 
 
+def enclave(node: str) -> list[str]:
+    """Where the node finds its rights, if security is on: see docs/security.md."""
+    return ["--enclave", f"/microgripper/{node}"]
+
+
 def generate_launch_description() -> LaunchDescription:
     """Start the loop; `out` is the folder of the bag."""
     config = PathJoinSubstitution([FindPackageShare(PACKAGE), "config"])
@@ -22,7 +27,9 @@ def generate_launch_description() -> LaunchDescription:
         "output": "screen",
     }
     files = [LaunchConfiguration("params_file"), LaunchConfiguration("experiment_file")]
-    reference = Node(executable="reference", parameters=files, **common)
+    reference = Node(
+        executable="reference", ros_arguments=enclave("reference"), parameters=files, **common
+    )
     return LaunchDescription(
         [
             DeclareLaunchArgument("namespace", default_value="microgripper"),
@@ -37,16 +44,23 @@ def generate_launch_description() -> LaunchDescription:
             DeclareLaunchArgument("lockstep", default_value="false"),
             Node(
                 executable="recorder",
+                ros_arguments=enclave("recorder"),
                 parameters=[*files, {"out": LaunchConfiguration("out")}],
                 **common,
             ),
             Node(
                 executable="plant_simulator",
+                ros_arguments=enclave("plant_simulator"),
                 parameters=[*files, lockstep],
                 condition=IfCondition(LaunchConfiguration("simulate")),
                 **common,
             ),
-            Node(executable="controller", parameters=[*files, lockstep], **common),
+            Node(
+                executable="controller",
+                ros_arguments=enclave("controller"),
+                parameters=[*files, lockstep],
+                **common,
+            ),
             reference,
             RegisterEventHandler(OnProcessExit(target_action=reference, on_exit=[Shutdown()])),
         ]

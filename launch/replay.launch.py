@@ -19,6 +19,11 @@ from launch_ros.substitutions import FindPackageShare
 PACKAGE = "microgripper_control"
 
 
+def enclave(node: str) -> list[str]:
+    """Where the node finds its rights, if security is on: see docs/security.md."""
+    return ["--enclave", f"/microgripper/{node}"]
+
+
 def generate_launch_description() -> LaunchDescription:
     """Start player and plant; they end with the recording."""
     config = PathJoinSubstitution([FindPackageShare(PACKAGE), "config"])
@@ -36,6 +41,7 @@ def generate_launch_description() -> LaunchDescription:
 
     player = Node(
         executable="player",
+        ros_arguments=enclave("player"),
         parameters=[
             file,
             {"recording": LaunchConfiguration("recording"), "pace": "samples"},
@@ -54,12 +60,14 @@ def generate_launch_description() -> LaunchDescription:
             player,
             Node(
                 executable="recorder",
+                ros_arguments=enclave("recorder"),
                 parameters=[file, {"out": out}],
                 condition=IfCondition(NotEqualsSubstitution(out, "")),
                 **common,
             ),
             Node(
                 executable="plant_simulator",
+                ros_arguments=enclave("plant_simulator"),
                 parameters=[file, {"lockstep": True, "partners": partners("player")}],
                 **common,
             ),

@@ -9,6 +9,11 @@ from launch_ros.substitutions import FindPackageShare
 PACKAGE = "microgripper_control"
 
 
+def enclave(node: str) -> list[str]:
+    """Where the node finds its rights, if security is on: see docs/security.md."""
+    return ["--enclave", f"/microgripper/{node}"]
+
+
 def generate_launch_description() -> LaunchDescription:
     """Start the plant."""
     usual = PathJoinSubstitution([FindPackageShare(PACKAGE), "config", "microgripper.yaml"])
@@ -19,6 +24,7 @@ def generate_launch_description() -> LaunchDescription:
             Node(
                 package=PACKAGE,
                 executable="plant_simulator",
+                ros_arguments=enclave("plant_simulator"),
                 namespace=LaunchConfiguration("namespace"),
                 parameters=[LaunchConfiguration("params_file")],
                 output="screen",

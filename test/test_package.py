@@ -23,6 +23,7 @@ ROSDEP_KEYS = {
     "ruff": "python3-ruff-pip",
     "types-PyYAML": "python3-types-pyyaml",
 }
+SUFFIXES = {".yaml", ".xml", ".py"}  # of configuration and launch files
 WITHOUT_WHEELS = {"launch", "launch_ros"}  # needed by launch/ alone, which needs a ROS 2
 
 
@@ -98,7 +99,7 @@ def test_everything_imported_is_a_declared_dependency(setup_arguments: dict[str,
 def test_all_configuration_and_launch_files_are_installed(setup_arguments: dict[str, Any]) -> None:
     installed = {path for _, paths in setup_arguments["data_files"] for path in paths}
     for folder in ("config", "launch"):
-        files = {path for path in (ROOT / folder).rglob("*") if path.suffix in {".yaml", ".py"}}
+        files = {path for path in (ROOT / folder).rglob("*") if path.suffix in SUFFIXES}
         assert {str(path.relative_to(ROOT)) for path in files} <= installed
 
 
