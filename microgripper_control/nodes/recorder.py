@@ -22,6 +22,7 @@ from operator import itemgetter
 from rclpy.qos import ReliabilityPolicy
 from rclpy.subscription import Subscription
 
+from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.nodes import topics
 from microgripper_control.nodes.health import Health, Level
 from microgripper_control.nodes.parameters import declare_text, declare_texts
@@ -59,6 +60,7 @@ class Recorder(Shell):
         self._taken: dict[str, Subscription] = {}
         self._kinds: dict[str, str] = {}  # of the topics that are taken
         self._sequences: dict[str, Sequence] = {}
+        self._refused: dict[str, str] = {}  # topics that cannot be recorded, and why
         self._samples = StampedSamples()
         self._looked = self._flushed = 0.0
         self._bag = BagWriter(folder, storage)
@@ -100,32 +102,59 @@ class Recorder(Shell):
         for topic, subscription in self._taken.items():
             handle = subscription.handle
             with handle:
-                while (taken := handle.take_message(subscription.msg_type, True)) is not None:
+                for _ in range(topics.KEPT):  # so that it ends even if they come faster
+                    taken = handle.take_message(subscription.msg_type, True)
+                    if taken is None:
+                        break
                     message, info = taken
                     batch.append((info["source_timestamp"], topic, message, info))
         batch.sort(key=itemgetter(0))
         for stamp, topic, message, info in batch:
-            self._note(topic, message, info["publication_sequence_number"])
-            self._bag.write(topic, stamp, message)
+            if self._is_announced(topic):
+                self._note(topic, message, info["publication_sequence_number"])
+                self._bag.write(topic, stamp, message)
         return len(batch)
 
-    def _note(self, topic: str, message: bytes, number: int) -> None:
-        if topic not in self._sequences:  # an empty topic would only be in the way
-            self._bag.add_topic(topic, self._kinds[topic])
+    def _is_announced(self, topic: str) -> bool:
+        """Whether the bag has the topic, from its first message on: empty ones are in the way."""
+        if topic in self._sequences:
+            return True
+        if topic not in self._refused:
+            try:
+                self._bag.add_topic(topic, self._kinds[topic])
+            except MicrogripperError as error:
+                if self._bag.broken:
+                    raise
+                self._refuse(topic, error)
+                return False
             self._sequences[topic] = Sequence()
+        return topic in self._sequences
+
+    def _refuse(self, topic: str, error: MicrogripperError) -> None:
+        """Go on without a topic: the others are still to be recorded."""
+        self._refused[topic] = str(error)
+        self.get_logger().warning(f"{topic} is not recorded: {error}")
+
+    def _note(self, topic: str, message: bytes, number: int) -> None:
         self._sequences[topic].note(number)
-        if topic == self._stamped:
+        if topic == self._stamped and len(message) >= STAMP.size:
             seconds, nanoseconds = STAMP.unpack_from(message)
             self._samples.note(seconds * 10**9 + nanoseconds)
 
     def _look(self, topic: str) -> None:
         """Subscribe where that was not done, or not so that messages would come."""
+        if topic in self._refused:
+            return
         for publisher in self.get_publishers_info_by_topic(topic):
             reliable = publisher.qos_profile.reliability is ReliabilityPolicy.RELIABLE
             present = self._taken.get(topic)
             if present is None:
                 self._kinds[topic] = publisher.topic_type
-                self._subscribe(topic, reliable=reliable)
+                try:
+                    self._subscribe(topic, reliable=reliable)
+                except MicrogripperError as error:
+                    self._refuse(topic, error)
+                    return
             elif not reliable and present.qos_profile.reliability is ReliabilityPolicy.RELIABLE:
                 self.destroy_subscription(present)
                 self._subscribe(topic, reliable=False)
@@ -145,7 +174,14 @@ class Recorder(Shell):
         """As `Shell` says."""
         counts = {f"messages of {topic}": one.count for topic, one in self._sequences.items()}
         lost = sum(one.lost for one in self._sequences.values())
-        values = {"messages lost": lost, "samples missing": self._samples.missing, **counts}
+        values: dict[str, object] = {
+            "messages lost": lost,
+            "samples missing": self._samples.missing,
+            **counts,
+        }
+        if self._refused:
+            refused = ", ".join(self._refused)
+            return Health(f"not recorded: {refused}", Level.WARN, {**values, **self._refused})
         if lost:
             return Health("messages lost", Level.WARN, values)
         if self._stamped in self._wanted and self._stamped not in self._sequences:

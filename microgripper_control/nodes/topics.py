@@ -11,6 +11,7 @@ parameters.
 from __future__ import annotations
 
 import math
+import re
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from importlib import import_module
@@ -49,6 +50,7 @@ TYPES: dict[str, type] = {
     GAP: Float64,
     NOISE_FLOOR: Float64,
 }
+TYPE_NAME = re.compile(r"([a-z][a-z0-9_]*)/msg/([A-Z][A-Za-z0-9]*)")
 KEPT = 5000  # messages
 DELIVERY_TIMEOUT = 4.0  # s
 
@@ -153,9 +155,11 @@ def _never_called(message: object) -> None:
 
 def type_named(name: str) -> type:
     """The message type of a name like `std_msgs/msg/Float64`, of any package that is installed."""
-    package, _, kind = name.partition("/msg/")
+    parts = TYPE_NAME.fullmatch(name)
+    if parts is None:  # it may come from a bag, and names what is imported
+        raise MicrogripperError(f"{name!r:.80} is not the name of a message type")
     try:
-        return cast(type, getattr(import_module(f"{package}.msg"), kind))
+        return cast(type, getattr(import_module(f"{parts[1]}.msg"), parts[2]))
     except (ImportError, AttributeError):
         raise MicrogripperError(f"message type {name} is not installed here") from None
 

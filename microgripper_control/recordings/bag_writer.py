@@ -24,6 +24,7 @@ from microgripper_control.recordings.folder_lock import FolderLock
 
 STORAGES = {"mcap": StoragePlugin.MCAP, "sqlite3": StoragePlugin.SQLITE3}
 VERSION: Literal[9] = 9  # of the bag's metadata: ROS 2 Jazzy's
+LATEST = 2**63 - 1  # ns since 1970
 CHECKSUM_AT = 9 + 24  # bytes into the record of an MCAP chunk
 
 
@@ -117,9 +118,12 @@ class BagWriter:
         return types
 
     def write(self, topic: str, stamp: int, message: bytes) -> None:
-        """Write a serialized message (CDR) received at `stamp`, ns since 1970."""
+        """Write a serialized message (CDR) received at `stamp`, ns since 1970.
+
+        A time before, or one that 63 bits do not hold, is as near as the formats have it.
+        """
         with self._writing():
-            self._writer.write(self._topics[topic], stamp, message)
+            self._writer.write(self._topics[topic], min(max(stamp, 0), LATEST), message)
 
     def flush(self) -> None:
         """Hand everything written so far to the operating system."""

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.errors import MicrogripperError, one_line
 from microgripper_control.core.recording import Recording, check_samples
 from microgripper_control.core.signals import Array
 
@@ -87,7 +87,7 @@ def on_uniform_clock(name: str, samples: Samples, warnings: tuple[str, ...] = ()
         displacement=samples.displacement,
         setpoint=samples.setpoint,
         start=samples.origin + float(samples.time[0]),
-        warnings=tuple(notes),
+        warnings=tuple(map(one_line, notes)),
         read=read,
     )
 

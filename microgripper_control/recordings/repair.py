@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections import Counter
 from collections.abc import Callable
 from contextlib import closing
 from dataclasses import dataclass
@@ -112,19 +111,11 @@ def _copy(bag: Bag, fresh: Path, progress: OnProgress) -> tuple[dict[str, int], 
     with BagWriter(fresh, bag.storage) as writer:
         topics = [topic for topic in bag.topics if _announce(writer, topic, left_out)]
         written = {topic.name: 0 for topic in topics}
-        untimely: Counter[str] = Counter()
         for number, (topic, at, content) in enumerate(bag.messages(topics)):
-            if at < 0:
-                untimely[topic.name] += 1
-                continue
             writer.write(topic.name, at, content)
             written[topic.name] += 1
             if number % STEP == 0:
                 progress(f"{number} messages written")
-    left_out.extend(
-        f"{name}: {count} messages stamped before 1970 were left out"
-        for name, count in untimely.items()
-    )
     return written, left_out
 
 

@@ -2,7 +2,9 @@ from __future__ import annotations
 
 import signal
 import time
+from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,6 +17,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, String
 
 from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.nodes.recorder import Recorder
 from microgripper_control.recordings.bag import Bag
 from microgripper_control.recordings.read import read_recording
 
@@ -112,3 +115,22 @@ def test_other_topics_and_other_qualities(start: Start, watcher: Watcher, tmp_pa
             "/elsewhere/notes (std_msgs/msg/String)",
             "/microgripper/joint_states (sensor_msgs/msg/JointState)",
         }
+
+
+@pytest.mark.parametrize("kind", ["my_rig/msg/Sample", "os/path", ".x/msg/Y", "a\nb/msg/C"])
+def test_a_strange_type_does_not_end_the_recording(
+    ros: Callable[..., None], ros_domain: dict[str, str], tmp_path: Path, kind: str,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    """A stranger publishes on one of the topics; the others go on."""
+    ros("--ros-args", "-p", f"out:={tmp_path / 'bag'}")
+    recorder = Recorder()
+    strange = SimpleNamespace(topic_type=kind, qos_profile=QoSProfile(depth=1))
+    with monkeypatch.context() as patch:
+        patch.setattr(recorder, "get_publishers_info_by_topic", lambda topic: [strange])
+        recorder.work(time.monotonic())
+    health = recorder.health(1.0)
+    assert health.message.startswith("not recorded: /microgripper/joint_states")
+    assert all(str(value).isprintable() for value in health.values.values())
+    recorder.leave()
+    recorder.destroy_node()
