@@ -48,7 +48,7 @@ VALUES = st.recursive(
     max_leaves=8,
 )
 
-# As many examples as the profile asks for: 100, with --hypothesis-profile=chaos thousands.
+# As many examples as the profile asks for: 100, with --hypothesis-profile=chaos five times that.
 fuzzed = settings(deadline=None, suppress_health_check=list(HealthCheck))
 
 
