@@ -65,8 +65,8 @@ class SqliteFile:
             try:
                 # In the order of the table: the index by time may lie in a part that is lost.
                 cursor = self._database.execute(
-                    "SELECT id, timestamp, data FROM messages WHERE topic_id = ? AND id > ? "
-                    "ORDER BY id",
+                    "SELECT rowid, timestamp, data FROM messages WHERE topic_id = ? AND rowid > ? "
+                    "ORDER BY rowid",
                     [number, after],
                 )
                 while True:
@@ -79,7 +79,7 @@ class SqliteFile:
                             yield from self._block(topic, rows)
                     if not rows:
                         return
-            except sqlite3.Error:
+            except (sqlite3.Error, OverflowError):
                 self._note_damage()
                 after += leap
                 leap *= 2
@@ -153,11 +153,12 @@ class SqliteFile:
         definitions: dict[str, str] = {}
         if "message_definitions" in tables:
             query = "SELECT topic_type, encoded_message_definition FROM message_definitions"
-            definitions.update(self._database.execute(f"{query} WHERE encoding = 'ros2msg'"))
+            for kind, definition in self._database.execute(f"{query} WHERE encoding = 'ros2msg'"):
+                definitions[str(kind)] = str(definition)
         columns = {row[1] for row in self._database.execute("PRAGMA table_info(topics)")}
         qos = "offered_qos_profiles" if "offered_qos_profiles" in columns else "''"
         return {
-            number: Topic(name, kind, encoding, definitions.get(kind, ""), str(offered))
+            number: Topic(*map(str, (name, kind, encoding, definitions.get(kind, ""), offered)))
             for number, name, kind, encoding, offered in self._database.execute(
                 f"SELECT id, name, type, serialization_format, {qos} FROM topics"
             )

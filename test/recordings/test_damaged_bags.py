@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import sqlite3
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -26,6 +27,7 @@ from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.recordings.bag import Bag
 from microgripper_control.recordings.bag_writer import STORAGES, BagWriter
 from microgripper_control.recordings.read import read_recording
+from microgripper_control.recordings.repair import repair_bag
 from microgripper_control.recordings.write import write_bag
 
 
@@ -79,6 +81,52 @@ def test_bytes_that_changed(bag: Path, tmp_path: Path, data: st.DataObject) -> N
 )
 def test_a_storage_file_that_is_none(bag: Path, tmp_path: Path, content: bytes) -> None:
     complaint(damaged(bag, tmp_path, content))
+
+
+NEWEST = 2**63 - 1
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "UPDATE messages SET data = 5 WHERE id = 60",
+        "UPDATE messages SET data = 'text' WHERE id = 60",
+        "UPDATE messages SET data = x'' WHERE id = 60",
+        "UPDATE messages SET data = zeroblob(1000000) WHERE id = 60",
+        "UPDATE messages SET timestamp = 'x' WHERE id = 60",
+        f"UPDATE messages SET id = {NEWEST} WHERE id = 400",
+        "UPDATE messages SET topic_id = 99 WHERE id = 60",
+        "DELETE FROM messages WHERE id > 30",
+        "DELETE FROM topics WHERE id = 2",
+        "UPDATE topics SET name = x'ff0a' WHERE id = 2",
+        "UPDATE topics SET type = 5",
+        "UPDATE topics SET serialization_format = 'json'",
+        "UPDATE topics SET offered_qos_profiles = '[: {'",
+        f"UPDATE messages SET timestamp = {NEWEST} WHERE id = 60",
+        "UPDATE messages SET timestamp = -5 WHERE id = 60",
+        "UPDATE message_definitions SET encoded_message_definition = 7",
+        "UPDATE metadata SET metadata = x'ff'",
+        "DROP TABLE messages",
+        "DROP TABLE metadata",
+    ],
+)
+def test_a_database_of_anything(tmp_path: Path, statement: str) -> None:
+    """Values of other types and rows that are gone; what is lost is told, and repaired."""
+    path = tmp_path / "run"
+    write_bag(path, RECORDING, "sqlite3")
+    with closing(sqlite3.connect(storage_file(path))) as database, database:
+        database.execute(statement)
+    found = recording_or_complaint(path)
+    whole = found is not None and len(found) == COUNT and found.setpoint is not None
+    assert whole or found is None or found.warnings
+    try:
+        repair_bag(path)
+    except MicrogripperError as error:
+        check_line(str(error), path)
+        return
+    again = recording_or_complaint(path)
+    assert (again is None) == (found is None)
+    assert found is None or (again is not None and len(again) == len(found))
 
 
 def test_a_file_system_that_lost_the_end(bag: Path, tmp_path: Path) -> None:
