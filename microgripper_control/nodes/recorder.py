@@ -22,7 +22,7 @@ from operator import itemgetter
 from rclpy.qos import ReliabilityPolicy
 from rclpy.subscription import Subscription
 
-from microgripper_control.nodes import topics
+from microgripper_control.nodes import qos, topics
 from microgripper_control.nodes.health import Health, Level
 from microgripper_control.nodes.parameters import declare_text, declare_texts
 from microgripper_control.nodes.shell import Shell, run
@@ -132,7 +132,7 @@ class Recorder(Shell):
 
     def _subscribe(self, topic: str, *, reliable: bool) -> None:
         kind = topics.type_named(self._kinds[topic])
-        quality = topics.quality(topics.KEPT, reliable=reliable)
+        quality = qos.quality(qos.KEPT, reliable=reliable)
         self._taken[topic] = self.create_subscription(kind, topic, _never_called, quality, raw=True)
 
     def _summary(self) -> str:

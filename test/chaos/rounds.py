@@ -1,0 +1,118 @@
+"""Each node in turn killed, stopped for a while, or ended and started again, at random moments."""
+
+from __future__ import annotations
+
+import random
+import signal
+import time
+from collections.abc import Iterator
+from itertools import product
+
+from loop import Loop, NotTrackingError
+from nursery import NODES, PERIOD, Nursery
+from table import Row
+from witness import Course
+
+from microgripper_control.nodes import topics
+
+KILL, STOP, RESTART = "SIGKILL", "SIGSTOP", "SIGTERM, start again"
+SOONEST, LATEST = 0.02, 0.3  # s: the fault comes within this of the loop's tracking
+SHOWN = 0.18  # s: the ramp has shown itself by then
+CLEAN_END = 3.0  # s
+RAMP_STEP = 2000.0 * PERIOD  # V
+RAMP_BEGINS = 0.1  # s: at the latest, after the loss
+RAMP_ROW = 4  # steps at the ramp rate in a row are no control
+
+# What is lost with a node, and where the ramp that follows is seen.
+LOST = {
+    "plant_simulator": (topics.JOINT_STATES, topics.VOLTAGE_COMMAND),
+    "controller": (topics.VOLTAGE_COMMAND, topics.JOINT_STATES),
+    "reference": (topics.SETPOINT, topics.VOLTAGE_COMMAND),
+}
+
+
+def rounds(nursery: Nursery, loop: Loop, count: int, chance: random.Random) -> list[Row]:
+    """So many faults; a row for each kind on each node."""
+    rows: dict[tuple[str, str], Row] = {}
+    kinds = list(product((KILL, STOP, RESTART), NODES))
+    for number in range(count):
+        fault, name = kinds[number % len(kinds)]
+        row = rows.setdefault((fault, name), Row(f"{fault}: {name}"))
+        row.injected += 1
+        faults = list(_one(loop, fault, name, row, chance))
+        row.survived += not faults
+        row.notes += [f"round {number}: {one}" for one in faults]
+    return list(rows.values())
+
+
+def _one(loop: Loop, fault: str, name: str, row: Row, chance: random.Random) -> Iterator[str]:
+    """Inject one fault; what was wrong."""
+    try:
+        loop.tracks()
+    except NotTrackingError as error:
+        yield f"before it, {error}"
+        return
+    time.sleep(chance.uniform(SOONEST, LATEST))
+    before = loop.witness.invariants().violations
+    begin = time.time()
+    node = loop.nodes[name]
+    if fault == RESTART:
+        node.send(signal.SIGTERM)
+        if (status := node.wait(CLEAN_END)) != 0:
+            yield f"exit status {status} on SIGTERM"
+    else:
+        node.send(signal.Signals[fault])
+    time.sleep(SHOWN)
+    if (fault, name) == (RESTART, "controller"):
+        yield from _came_down(loop)
+    elif name in LOST:
+        yield from _ramp(loop, name, begin, row)
+    cause_ends = time.time()
+    if fault == STOP:
+        node.send(signal.SIGCONT)
+    else:
+        node.kill()
+        loop.start(name)
+    try:
+        row.recoveries.append(loop.tracks_since(cause_ends) - cause_ends)
+    except NotTrackingError as error:
+        yield str(error)
+    if loop.dead():
+        yield f"ended: {', '.join(loop.dead())}"
+    invariants = loop.witness.invariants()
+    row.saw(invariants)
+    if invariants.violations > before:
+        yield f"the voltage: {'; '.join(invariants.described)}"
+
+
+def _ramp(loop: Loop, name: str, begin: float, row: Row) -> Iterator[str]:
+    """Look for the ramp to the safe voltage after a loss."""
+    lost, seen = LOST[name]
+    last = max((at for at, _ in loop.witness.since(lost, begin - 0.5)), default=begin)
+    course = loop.witness.since(seen, last)
+    found = ramp_begin(course)
+    if found is None:
+        if max((voltage for _, voltage in course), default=0.0) > RAMP_ROW * RAMP_STEP:
+            yield f"no ramp: {[(round(1e3 * (at - last)), round(v, 1)) for at, v in course[:12]]}"
+        return
+    row.ramps.append(found - last)
+    if found - last > RAMP_BEGINS:
+        yield f"the ramp began {1e3 * (found - last):.0f} ms after the loss"
+
+
+def _came_down(loop: Loop) -> Iterator[str]:
+    """Look whether a controller that was asked to end has left the safe voltage behind."""
+    *_, (_, voltage) = loop.witness.since(topics.JOINT_STATES, time.time() - 0.1)
+    if voltage != 0.0:
+        yield f"left {voltage:.1f} V behind"
+
+
+def ramp_begin(course: Course) -> float | None:
+    """When in the course of a voltage a descent at the ramp rate begins, s; None if none does."""
+    in_row = 0
+    for k in range(1, len(course)):
+        step = course[k - 1][1] - course[k][1]
+        in_row = in_row + 1 if abs(step - RAMP_STEP) < 1e-6 else 0
+        if in_row == RAMP_ROW:
+            return course[k - RAMP_ROW + 1][0]
+    return None

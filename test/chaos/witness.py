@@ -1,0 +1,150 @@
+"""Sees every message of the control loop, under the time at which it was published.
+
+It lives in a process of its own and answers questions over a pipe: the process that starts and
+kills the nodes has no ROS. Messages are taken past the executor, as `recorder` does.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection
+from operator import itemgetter
+from typing import Any
+
+import rclpy
+from invariants import Invariants
+from nursery import Nursery, Place
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+from microgripper_control.nodes import qos, topics
+
+TAKE_PERIOD = 0.003  # s
+REMEMBERED = 20_000  # messages of a topic
+WATCHED = (topics.VOLTAGE_COMMAND, topics.JOINT_STATES, topics.SETPOINT)
+CLOSE = 0.5e-6  # m; the setpoint is tracked
+SETTLED = 50  # samples in a row
+
+Course = list[tuple[float, float]]  # time of publication, s; value
+
+
+class Witness:
+    """The questions that can be asked; each is answered with what has come so far."""
+
+    def __init__(self, nursery: Nursery, place: Place | None = None) -> None:
+        self._pipe, theirs = Pipe()
+        self.process = nursery.fork("witness", lambda: _Watching(theirs).run(), place=place)
+
+    def _ask(self, question: str, *details: object) -> Any:  # noqa: ANN401 (of any question)
+        try:
+            self._pipe.send((question, details))
+            if self._pipe.poll(20.0):
+                return self._pipe.recv()
+        except (EOFError, OSError):
+            pass
+        raise RuntimeError(f"the witness does not answer: {self.process.log.read_text()}")
+
+    def invariants(self) -> Invariants:
+        """Of the voltages on the topic."""
+        found: Invariants = self._ask("invariants")
+        return found
+
+    def since(self, topic: str, start: float) -> Course:
+        """What was published on a topic from `start` on, s; of joint_states the voltage."""
+        course: Course = self._ask("since", topic, start)
+        return course
+
+    def tracking_since(self, start: float) -> float | None:
+        """From when on after `start`, s, the setpoint was tracked for a while; None: not yet."""
+        found: float | None = self._ask("tracking_since", start)
+        return found
+
+    def until(self, condition: Callable[[], Any], timeout: float) -> Any:  # noqa: ANN401
+        """What the condition gives once that is true; None if it never is in time, s."""
+        end = time.monotonic() + timeout
+        while time.monotonic() < end:
+            found = condition()
+            if found:
+                return found
+            time.sleep(0.01)
+        return None
+
+
+@dataclass(frozen=True)
+class _Sample:
+    at: float  # s
+    error: float  # m
+
+
+class _Watching:
+    """The process of the witness."""
+
+    def __init__(self, pipe: Connection) -> None:
+        self._pipe = pipe
+        self._invariants = Invariants()
+        self._courses: dict[str, deque[tuple[float, float]]] = {
+            topic: deque(maxlen=REMEMBERED) for topic in WATCHED
+        }
+        self._errors: deque[_Sample] = deque(maxlen=REMEMBERED)
+        self._setpoint = 0.0
+
+    def run(self) -> None:
+        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+        node = Node("witness", namespace=topics.NAMESPACE)
+        batches = {
+            topic: node.create_subscription(
+                topics.TYPES[topic], topic, _never_called, qos.quality(qos.KEPT)
+            )
+            for topic in WATCHED
+        }
+        while True:
+            self._take(batches)
+            if self._pipe.poll(TAKE_PERIOD):
+                question, details = self._pipe.recv()
+                self._pipe.send(getattr(self, question)(*details))
+
+    def _take(self, batches: dict[str, Any]) -> None:
+        batch = []
+        for topic, subscription in batches.items():
+            handle = subscription.handle
+            with handle:
+                while (taken := handle.take_message(subscription.msg_type, False)) is not None:
+                    batch.append((taken[1]["source_timestamp"] * 1e-9, topic, taken[0]))
+        for at, topic, message in sorted(batch, key=itemgetter(0)):
+            self._note(at, topic, message)
+
+    def _note(self, at: float, topic: str, message: Any) -> None:  # noqa: ANN401
+        if topic == topics.JOINT_STATES:
+            displacement, voltage = topics.finger(message)
+            self._courses[topic].append((at, voltage))
+            self._errors.append(_Sample(at, abs(displacement - self._setpoint)))
+            return
+        self._courses[topic].append((at, message.data))
+        if topic == topics.SETPOINT:
+            self._setpoint = message.data
+        else:
+            self._invariants.note(at, message.data)
+
+    def invariants(self) -> Invariants:
+        return self._invariants
+
+    def since(self, topic: str, start: float) -> Course:
+        return [entry for entry in self._courses[topic] if entry[0] >= start]
+
+    def tracking_since(self, start: float) -> float | None:
+        in_row: list[float] = []
+        for sample in self._errors:
+            if sample.at < start:
+                continue
+            in_row = [*in_row, sample.at] if sample.error <= CLOSE else []
+            if len(in_row) == SETTLED:
+                return in_row[0]
+        return None
+
+
+def _never_called(message: object) -> None:
+    """The messages are taken by `_Watching`."""
