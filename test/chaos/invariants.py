@@ -21,6 +21,7 @@ class Invariants:
     allows in one: when exactly a message got its time of publication is up to the scheduler.
     """
 
+    period: float = PERIOD  # s, of a sample
     count: int = 0
     lowest: float = math.inf  # V
     highest: float = -math.inf  # V
@@ -40,9 +41,9 @@ class Invariants:
             self._violated(at, f"{voltage} V is out of range")
         if self._last is not None:
             then, before = self._last
-            allowed = RATE * max(at - then, PERIOD) + ROUNDING
+            allowed = RATE * max(at - then, self.period) + ROUNDING
             change = abs(voltage - before)
-            self.worst_rate = max(self.worst_rate, change / max(at - then, PERIOD))
+            self.worst_rate = max(self.worst_rate, change / max(at - then, self.period))
             if change > allowed:
                 self._violated(at, f"{before:.3f} to {voltage:.3f} V in {1e3 * (at - then):.3f} ms")
         self._last = at, voltage

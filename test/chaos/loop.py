@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from nursery import NODES, Child, Nursery, Place
+from nursery import NODES, PERIOD, Child, Nursery, Place
 from witness import Witness
 
 PATIENCE = 20.0  # s, for the loop to track
@@ -36,6 +36,7 @@ class Loop:
         *,
         place: Callable[[str], Place | None] = lambda name: None,
         names: tuple[str, ...] = NODES,
+        period: float = PERIOD,
         **settings: dict[str, Any],
     ) -> None:
         self._nursery = nursery
@@ -43,7 +44,7 @@ class Loop:
         self._place = place
         self._settings = settings
         self._bags = 0
-        self.witness = Witness(nursery, place("witness"))
+        self.witness = Witness(nursery, place("witness"), period)
         self.nodes: dict[str, Child] = {}
         for name in names:
             self.start(name)

@@ -70,6 +70,11 @@ class Child:
         self.wait(10.0)
 
     @property
+    def waited(self) -> float:
+        """Time for which it has wanted a processor and got none, s."""
+        return int(Path(f"/proc/{self.pid}/schedstat").read_text().split()[1]) * 1e-9
+
+    @property
     def memory(self) -> int:
         """Resident memory, bytes."""
         pages = int(Path(f"/proc/{self.pid}/statm").read_text().split()[1])

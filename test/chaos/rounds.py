@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from itertools import product
 
 from loop import Loop, NotTrackingError
-from nursery import NODES, PERIOD, Nursery
+from nursery import NODES, PERIOD
 from table import Row
 from witness import Course
 
@@ -30,8 +30,14 @@ LOST = {
     "reference": (topics.SETPOINT, topics.VOLTAGE_COMMAND),
 }
 
+GUARDED_BY = {
+    "plant_simulator": "controller",
+    "controller": "plant_simulator",
+    "reference": "controller",
+}
 
-def rounds(nursery: Nursery, loop: Loop, count: int, chance: random.Random) -> list[Row]:
+
+def rounds(loop: Loop, count: int, chance: random.Random) -> list[Row]:
     """So many faults; a row for each kind on each node."""
     rows: dict[tuple[str, str], Row] = {}
     kinds = list(product((KILL, STOP, RESTART), NODES))
@@ -55,6 +61,7 @@ def _one(loop: Loop, fault: str, name: str, row: Row, chance: random.Random) -> 
     time.sleep(chance.uniform(SOONEST, LATEST))
     before = loop.witness.invariants().violations
     begin = time.time()
+    waited = loop.nodes[GUARDED_BY[name]].waited if name in LOST else 0.0
     node = loop.nodes[name]
     if fault == RESTART:
         node.send(signal.SIGTERM)
@@ -66,7 +73,7 @@ def _one(loop: Loop, fault: str, name: str, row: Row, chance: random.Random) -> 
     if (fault, name) == (RESTART, "controller"):
         yield from _came_down(loop)
     elif name in LOST:
-        yield from _ramp(loop, name, begin, row)
+        yield from _ramp(loop, name, begin, waited, row)
     cause_ends = time.time()
     if fault == STOP:
         node.send(signal.SIGCONT)
@@ -85,8 +92,11 @@ def _one(loop: Loop, fault: str, name: str, row: Row, chance: random.Random) -> 
         yield f"the voltage: {'; '.join(invariants.described)}"
 
 
-def _ramp(loop: Loop, name: str, begin: float, row: Row) -> Iterator[str]:
-    """Look for the ramp to the safe voltage after a loss."""
+def _ramp(
+    loop: Loop, name: str, begin: float, waited_before: float, row: Row
+) -> Iterator[str]:
+    """Look for the ramp to the safe voltage after a loss; the one that ramps had waited before."""
+    ramping = loop.nodes[GUARDED_BY[name]]
     lost, seen = LOST[name]
     last = max((at for at, _ in loop.witness.since(lost, begin - 0.5)), default=begin)
     course = loop.witness.since(seen, last)
@@ -96,8 +106,12 @@ def _ramp(loop: Loop, name: str, begin: float, row: Row) -> Iterator[str]:
             yield f"no ramp: {[(round(1e3 * (at - last)), round(v, 1)) for at, v in course[:12]]}"
         return
     row.ramps.append(found - last)
-    if found - last > RAMP_BEGINS:
-        yield f"the ramp began {1e3 * (found - last):.0f} ms after the loss"
+    waited = ramping.waited - waited_before
+    if found - last > RAMP_BEGINS + waited:
+        yield (
+            f"the ramp began {1e3 * (found - last):.0f} ms after the loss, "
+            f"{1e3 * waited:.0f} ms of which its node had no processor"
+        )
 
 
 def _came_down(loop: Loop) -> Iterator[str]:

@@ -21,7 +21,8 @@ class Row:
     worst_rate: float = 0.0  # V/s
     ramps: list[float] = field(default_factory=list)  # s, from the loss to the begin of the ramp
     recoveries: list[float] = field(default_factory=list)  # s, from the end of the cause
-    notes: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)  # what was not survived
+    remarks: list[str] = field(default_factory=list)
 
     def saw(self, invariants: Invariants) -> None:
         """Take over what the voltages were."""

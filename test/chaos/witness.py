@@ -16,8 +16,9 @@ from operator import itemgetter
 from typing import Any
 
 import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
 from invariants import Invariants
-from nursery import Nursery, Place
+from nursery import PERIOD, Nursery, Place
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
@@ -25,6 +26,7 @@ from microgripper_control.nodes import qos, topics
 
 TAKE_PERIOD = 0.003  # s
 REMEMBERED = 20_000  # messages of a topic
+DIAGNOSTICS = "/diagnostics"
 WATCHED = (topics.VOLTAGE_COMMAND, topics.JOINT_STATES, topics.SETPOINT)
 CLOSE = 0.5e-6  # m; the setpoint is tracked
 SETTLED = 50  # samples in a row
@@ -35,9 +37,9 @@ Course = list[tuple[float, float]]  # time of publication, s; value
 class Witness:
     """The questions that can be asked; each is answered with what has come so far."""
 
-    def __init__(self, nursery: Nursery, place: Place | None = None) -> None:
+    def __init__(self, nursery: Nursery, place: Place | None = None, period: float = PERIOD) -> None:
         self._pipe, theirs = Pipe()
-        self.process = nursery.fork("witness", lambda: _Watching(theirs).run(), place=place)
+        self.process = nursery.fork("witness", lambda: _Watching(theirs, period).run(), place=place)
 
     def _ask(self, question: str, *details: object) -> Any:  # noqa: ANN401 (of any question)
         try:
@@ -57,6 +59,11 @@ class Witness:
         """What was published on a topic from `start` on, s; of joint_states the voltage."""
         course: Course = self._ask("since", topic, start)
         return course
+
+    def health(self, name: str) -> dict[str, str]:
+        """The values that a node last reported on `/diagnostics`."""
+        values: dict[str, str] = self._ask("health", name)
+        return values
 
     def tracking_since(self, start: float) -> float | None:
         """From when on after `start`, s, the setpoint was tracked for a while; None: not yet."""
@@ -83,9 +90,10 @@ class _Sample:
 class _Watching:
     """The process of the witness."""
 
-    def __init__(self, pipe: Connection) -> None:
+    def __init__(self, pipe: Connection, period: float) -> None:
         self._pipe = pipe
-        self._invariants = Invariants()
+        self._invariants = Invariants(period)
+        self._health: dict[str, dict[str, str]] = {}
         self._courses: dict[str, deque[tuple[float, float]]] = {
             topic: deque(maxlen=REMEMBERED) for topic in WATCHED
         }
@@ -101,6 +109,9 @@ class _Watching:
             )
             for topic in WATCHED
         }
+        batches[DIAGNOSTICS] = node.create_subscription(
+            DiagnosticArray, DIAGNOSTICS, _never_called, 100
+        )
         while True:
             self._take(batches)
             if self._pipe.poll(TAKE_PERIOD):
@@ -118,6 +129,11 @@ class _Watching:
             self._note(at, topic, message)
 
     def _note(self, at: float, topic: str, message: Any) -> None:  # noqa: ANN401
+        if topic == DIAGNOSTICS:
+            for status in message.status:
+                name = status.name.rpartition("/")[2]
+                self._health[name] = {one.key: one.value for one in status.values}
+            return
         if topic == topics.JOINT_STATES:
             displacement, voltage = topics.finger(message)
             self._courses[topic].append((at, voltage))
@@ -131,6 +147,9 @@ class _Watching:
 
     def invariants(self) -> Invariants:
         return self._invariants
+
+    def health(self, name: str) -> dict[str, str]:
+        return self._health.get(name, {})
 
     def since(self, topic: str, start: float) -> Course:
         return [entry for entry in self._courses[topic] if entry[0] >= start]

@@ -1,0 +1,41 @@
+"""Nodes asked to end at random moments, from their first steps on."""
+
+from __future__ import annotations
+
+import random
+import signal
+import time
+
+from nursery import NODES, Nursery
+from table import Row
+
+AT_ONCE = 4  # nodes
+LATEST = 1.0  # s after its start
+CLEAN_END = 5.0  # s, of which reaching the safe voltage takes a tenth
+
+
+def ends(nursery: Nursery, count: int, chance: random.Random) -> Row:
+    """So many SIGTERMs; each has to end in exit status 0, whatever the node was doing."""
+    row = Row("SIGTERM at any moment")
+    while row.injected < count:
+        names = [chance.choice(NODES) for _ in range(min(AT_ONCE, count - row.injected))]
+        born = time.monotonic()
+        nodes = [nursery.node(name, **_settings(name, row.injected + k)) for k, name in enumerate(names)]
+        moments = sorted((chance.uniform(0.05, LATEST), k) for k in range(len(nodes)))
+        for moment, k in moments:
+            time.sleep(max(0.0, born + moment - time.monotonic()))
+            nodes[k].send(signal.SIGTERM)
+        for node in nodes:
+            row.injected += 1
+            begin = time.monotonic()
+            status = node.wait(CLEAN_END)
+            row.survived += status == 0
+            row.recoveries.append(time.monotonic() - begin)
+            if status != 0:
+                row.failed(f"{node.name}: exit status {status}: {node.log.read_text()[-300:]}")
+                node.kill()
+    return row
+
+
+def _settings(name: str, number: int) -> dict[str, object]:
+    return {"out": f"ended_{number}"} if name == "recorder" else {}
