@@ -20,7 +20,9 @@ def ends(nursery: Nursery, count: int, chance: random.Random) -> Row:
     while row.injected < count:
         names = [chance.choice(NODES) for _ in range(min(AT_ONCE, count - row.injected))]
         born = time.monotonic()
-        nodes = [nursery.node(name, **_settings(name, row.injected + k)) for k, name in enumerate(names)]
+        nodes = [
+            nursery.node(name, **_settings(name, row.injected + k)) for k, name in enumerate(names)
+        ]
         moments = sorted((chance.uniform(0.05, LATEST), k) for k in range(len(nodes)))
         for moment, k in moments:
             time.sleep(max(0.0, born + moment - time.monotonic()))

@@ -17,7 +17,7 @@ from typing import Any
 import rclpy
 from hostile import Hostile
 from invariants import HIGH, LOW, Invariants
-from nursery import PERIOD, Nursery
+from nursery import Nursery
 from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
@@ -50,7 +50,9 @@ def feed(nursery: Nursery, folder: Path, count: int, seed: int) -> Row:
         faults.append(f"memory grew by {1e-6 * found['grown']:.1f} MB")
     row.survived = 0 if faults else count
     row.notes += faults
-    row.remarks.append(f"{found['voltages']} voltages published, memory {found['grown'] / 1e6:+.1f} MB")
+    row.remarks.append(
+        f"{found['voltages']} voltages published, memory {found['grown'] / 1e6:+.1f} MB"
+    )
     return row
 
 

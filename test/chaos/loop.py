@@ -37,6 +37,7 @@ class Loop:
         place: Callable[[str], Place | None] = lambda name: None,
         names: tuple[str, ...] = NODES,
         period: float = PERIOD,
+        reliable: bool = True,
         **settings: dict[str, Any],
     ) -> None:
         self._nursery = nursery
@@ -44,7 +45,7 @@ class Loop:
         self._place = place
         self._settings = settings
         self._bags = 0
-        self.witness = Witness(nursery, place("witness"), period)
+        self.witness = Witness(nursery, place("witness"), period=period, reliable=reliable)
         self.nodes: dict[str, Child] = {}
         for name in names:
             self.start(name)

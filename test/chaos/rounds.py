@@ -6,7 +6,6 @@ import random
 import signal
 import time
 from collections.abc import Iterator
-from itertools import product
 
 from loop import Loop, NotTrackingError
 from nursery import NODES, PERIOD
@@ -15,7 +14,7 @@ from witness import Course
 
 from microgripper_control.nodes import topics
 
-KILL, STOP, RESTART = "SIGKILL", "SIGSTOP", "SIGTERM, start again"
+FAULTS = KILL, STOP, RESTART = "SIGKILL", "SIGSTOP", "SIGTERM, start again"
 SOONEST, LATEST = 0.02, 0.3  # s: the fault comes within this of the loop's tracking
 SHOWN = 0.18  # s: the ramp has shown itself by then
 CLEAN_END = 3.0  # s
@@ -37,18 +36,22 @@ GUARDED_BY = {
 }
 
 
-def rounds(loop: Loop, count: int, chance: random.Random) -> list[Row]:
-    """So many faults; a row for each kind on each node."""
+def rounds(loop: Loop, count: int, budget: float, chance: random.Random) -> list[Row]:
+    """So many faults, or as many as fit in `budget`, s; a row for each kind on each node."""
     rows: dict[tuple[str, str], Row] = {}
-    kinds = list(product((KILL, STOP, RESTART), NODES))
+    begin = time.monotonic()
     for number in range(count):
-        fault, name = kinds[number % len(kinds)]
+        if time.monotonic() - begin > budget:
+            first = next(iter(rows.values()))
+            first.remarks.append(f"{number} rounds instead of {count}: the time was up")
+            break
+        fault, name = FAULTS[number % len(FAULTS)], NODES[number % len(NODES)]
         row = rows.setdefault((fault, name), Row(f"{fault}: {name}"))
         row.injected += 1
         faults = list(_one(loop, fault, name, row, chance))
         row.survived += not faults
         row.notes += [f"round {number}: {one}" for one in faults]
-    return list(rows.values())
+    return [rows[key] for key in sorted(rows)]
 
 
 def _one(loop: Loop, fault: str, name: str, row: Row, chance: random.Random) -> Iterator[str]:
@@ -92,9 +95,7 @@ def _one(loop: Loop, fault: str, name: str, row: Row, chance: random.Random) -> 
         yield f"the voltage: {'; '.join(invariants.described)}"
 
 
-def _ramp(
-    loop: Loop, name: str, begin: float, waited_before: float, row: Row
-) -> Iterator[str]:
+def _ramp(loop: Loop, name: str, begin: float, waited_before: float, row: Row) -> Iterator[str]:
     """Look for the ramp to the safe voltage after a loss; the one that ramps had waited before."""
     ramping = loop.nodes[GUARDED_BY[name]]
     lost, seen = LOST[name]
@@ -102,9 +103,9 @@ def _ramp(
     course = loop.witness.since(seen, last)
     found = ramp_begin(course)
     if found is None:
-        if max((voltage for _, voltage in course), default=0.0) > RAMP_ROW * RAMP_STEP:
+        if max((voltage for _, voltage in course[1:]), default=0.0) > RAMP_ROW * RAMP_STEP:
             yield f"no ramp: {[(round(1e3 * (at - last)), round(v, 1)) for at, v in course[:12]]}"
-        return
+        return  # it was at the safe voltage, or almost
     row.ramps.append(found - last)
     waited = ramping.waited - waited_before
     if found - last > RAMP_BEGINS + waited:
@@ -125,8 +126,10 @@ def ramp_begin(course: Course) -> float | None:
     """When in the course of a voltage a descent at the ramp rate begins, s; None if none does."""
     in_row = 0
     for k in range(1, len(course)):
-        step = course[k - 1][1] - course[k][1]
-        in_row = in_row + 1 if abs(step - RAMP_STEP) < 1e-6 else 0
+        voltage = course[k][1]
+        step = course[k - 1][1] - voltage
+        arrives = voltage == 0.0 and 0.0 < step < RAMP_STEP
+        in_row = in_row + 1 if arrives or abs(step - RAMP_STEP) < 1e-6 else 0
         if in_row == RAMP_ROW:
             return course[k - RAMP_ROW + 1][0]
     return None

@@ -20,6 +20,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from invariants import Invariants
 from nursery import PERIOD, Nursery, Place
 from rclpy.node import Node
+from rclpy.qos import QoSProfile
 from rclpy.signals import SignalHandlerOptions
 
 from microgripper_control.nodes import qos, topics
@@ -37,9 +38,17 @@ Course = list[tuple[float, float]]  # time of publication, s; value
 class Witness:
     """The questions that can be asked; each is answered with what has come so far."""
 
-    def __init__(self, nursery: Nursery, place: Place | None = None, period: float = PERIOD) -> None:
+    def __init__(
+        self,
+        nursery: Nursery,
+        place: Place | None = None,
+        *,
+        period: float = PERIOD,
+        reliable: bool = True,
+    ) -> None:
         self._pipe, theirs = Pipe()
-        self.process = nursery.fork("witness", lambda: _Watching(theirs, period).run(), place=place)
+        watching = _Watching(theirs, period, reliable=reliable)
+        self.process = nursery.fork("witness", watching.run, place=place)
 
     def _ask(self, question: str, *details: object) -> Any:  # noqa: ANN401 (of any question)
         try:
@@ -90,8 +99,9 @@ class _Sample:
 class _Watching:
     """The process of the witness."""
 
-    def __init__(self, pipe: Connection, period: float) -> None:
+    def __init__(self, pipe: Connection, period: float, *, reliable: bool) -> None:
         self._pipe = pipe
+        self._reliable = reliable
         self._invariants = Invariants(period)
         self._health: dict[str, dict[str, str]] = {}
         self._courses: dict[str, deque[tuple[float, float]]] = {
@@ -103,10 +113,12 @@ class _Watching:
     def run(self) -> None:
         rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
         node = Node("witness", namespace=topics.NAMESPACE)
+
+        def quality() -> QoSProfile:
+            return qos.quality(qos.KEPT, reliable=self._reliable)
+
         batches = {
-            topic: node.create_subscription(
-                topics.TYPES[topic], topic, _never_called, qos.quality(qos.KEPT)
-            )
+            topic: node.create_subscription(topics.TYPES[topic], topic, _never_called, quality())
             for topic in WATCHED
         }
         batches[DIAGNOSTICS] = node.create_subscription(

@@ -1,0 +1,90 @@
+"""Everything that can happen to the nodes, one after the other, in a domain of its own."""
+
+from __future__ import annotations
+
+import os
+import random
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from ends import ends
+from feed import feed
+from flood import flood
+from loop import Loop
+from network import network
+from nursery import Nursery
+from overload import overload
+from rounds import rounds
+from table import Row
+
+from microgripper_control.demo.domain import on_this_machine, unused_domain
+
+
+@dataclass(frozen=True)
+class Dose:
+    """How much of everything."""
+
+    messages: int = 1_000_000
+    flood: float = 20.0  # s
+    rounds: int = 200
+    budget: float = 400.0  # s, for the rounds
+    ends: int = 200
+    network: float = 5.0  # s of each impairment
+    overload: float = 8.0  # s
+
+
+FULL = Dose()
+SMALL = Dose(messages=20_000, flood=1.5, rounds=4, ends=8, network=1.0, overload=2.0)
+
+
+def run(folder: Path, dose: Dose, seed: int, say: Callable[[str], None]) -> list[Row]:
+    """All rows of the table. About six minutes for the full dose on two cores."""
+    rows: list[Row] = []
+    chance = random.Random(seed)
+    folder.mkdir(parents=True, exist_ok=True)
+    os.chdir(folder)
+    with in_a_domain(folder / "ros"), Nursery(folder / "log") as nursery:
+
+        def take(what: str, work: Callable[[], list[Row]]) -> None:
+            begin = time.monotonic()
+            rows.extend(work())
+            say(f"{what}: {time.monotonic() - begin:.0f} s")
+
+        take("callbacks", lambda: [feed(nursery, folder, dose.messages, seed)])
+        take("ends", lambda: [ends(nursery, dose.ends, chance)])
+        take("rounds", lambda: _on_a_loop(nursery, folder, dose, seed, chance))
+        take("network", lambda: network(nursery, folder / "hosts", dose.network, seed))
+        take("overload", lambda: [overload(nursery, folder, dose.overload)])
+    return rows
+
+
+def _on_a_loop(
+    nursery: Nursery, folder: Path, dose: Dose, seed: int, chance: random.Random
+) -> list[Row]:
+    """What is done to one and the same loop."""
+    loop = Loop(nursery, folder)
+    found = [
+        *rounds(loop, dose.rounds, dose.budget, chance),
+        flood(nursery, loop, dose.flood, seed),
+    ]
+    statuses = loop.end()
+    found[-1].notes += [f"{name}: exit status {code}" for name, code in statuses.items() if code]
+    return found
+
+
+@contextmanager
+def in_a_domain(logs: Path) -> Iterator[None]:
+    """A ROS domain that nobody else uses and that does not leave this machine."""
+    before = dict(os.environ)
+    with unused_domain() as domain:
+        inside = on_this_machine(domain) | {"ROS_LOG_DIR": str(logs)}
+        try:
+            os.environ.clear()
+            os.environ.update(inside)
+            yield
+        finally:
+            os.environ.clear()
+            os.environ.update(before)
