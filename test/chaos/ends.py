@@ -1,4 +1,4 @@
-"""Nodes asked to end at random moments, from their first steps on."""
+"""Nodes asked to end at random moments, from their first line in the log on."""
 
 from __future__ import annotations
 
@@ -6,11 +6,12 @@ import random
 import signal
 import time
 
-from nursery import NODES, Nursery
+from nursery import NODES, Child, Nursery
 from table import Row
 
 AT_ONCE = 4  # nodes
 LATEST = 1.0  # s after its start
+PATIENCE = 20.0  # s
 CLEAN_END = 5.0  # s, of which reaching the safe voltage takes a tenth
 
 
@@ -19,11 +20,13 @@ def ends(nursery: Nursery, count: int, chance: random.Random) -> Row:
     row = Row("SIGTERM at any moment")
     while row.injected < count:
         names = [chance.choice(NODES) for _ in range(min(AT_ONCE, count - row.injected))]
-        born = time.monotonic()
         nodes = [
             nursery.node(name, **_settings(name, row.injected + k)) for k, name in enumerate(names)
         ]
-        moments = sorted((chance.uniform(0.05, LATEST), k) for k in range(len(nodes)))
+        for node in nodes:
+            _begun(node)
+        born = time.monotonic()
+        moments = sorted((chance.uniform(0.0, LATEST), k) for k in range(len(nodes)))
         for moment, k in moments:
             time.sleep(max(0.0, born + moment - time.monotonic()))
             nodes[k].send(signal.SIGTERM)
@@ -37,6 +40,13 @@ def ends(nursery: Nursery, count: int, chance: random.Random) -> Row:
                 row.failed(f"{node.name}: exit status {status}: {node.log.read_text()[-300:]}")
                 node.kill()
     return row
+
+
+def _begun(node: Child) -> None:
+    """Wait for the first line: before, there is no node yet that could end in order."""
+    end = time.monotonic() + PATIENCE
+    while "starting" not in node.log.read_text() and time.monotonic() < end:
+        time.sleep(0.002)
 
 
 def _settings(name: str, number: int) -> dict[str, object]:

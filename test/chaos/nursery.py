@@ -132,6 +132,8 @@ def _live(run: Callable[[], None], log: Path, place: Place | None) -> int:
     with log.open("wb") as file:
         for stream in (1, 2):
             os.dup2(file.fileno(), stream)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_DFL)  # as a program finds them
     os.setpgid(0, 0)  # Ctrl-C reaches who forked it alone,
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)  # whose death reaches all
     try:
