@@ -49,5 +49,5 @@ def _begun(node: Child) -> None:
         time.sleep(0.002)
 
 
-def _settings(name: str, number: int) -> dict[str, object]:
+def _settings(name: str, number: int) -> dict[str, str]:
     return {"out": f"ended_{number}"} if name == "recorder" else {}

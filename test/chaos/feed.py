@@ -83,8 +83,8 @@ def _feed(count: int, seed: int) -> dict[str, Any]:
     controller, plant = ControllerNode(), PlantSimulator()
     for node in (controller, plant):
         node.begin()
-    checked = _Checked(controller._output.publisher)
-    controller._output.publisher = checked
+    output: Any = controller._output
+    output.publisher = checked = _Checked(output.publisher)
     faults: list[str] = []
     early = 0
     for number in range(count):

@@ -10,7 +10,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
 WILD = (math.nan, math.inf, -math.inf, 1e308, -1e308, 5e-324, -0.0, 1e30, -1.0, 160.0, 1e-5)
-NAMES = (
+NAMES: tuple[list[str], ...] = (
     [],
     ["finger"],
     ["finger"],

@@ -107,7 +107,7 @@ class Hosts:
     def _connect_by_wire(self) -> None:
         self._add("wire")
         wire = self._name("wire")
-        ends = tuple(f"to_{host}" for host in HOSTS)
+        ends = ("to_rig", "to_desk")
         for host, end in zip(HOSTS, ends, strict=True):
             pair = ("link", "add", "eth0", "type", "veth", "peer", "name", end, "netns", wire)
             _run("ip", "-n", self._name(host), *pair)

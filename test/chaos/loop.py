@@ -38,12 +38,12 @@ class Loop:
         names: tuple[str, ...] = NODES,
         period: float = PERIOD,
         reliable: bool = True,
-        **settings: dict[str, Any],
+        settings: dict[str, dict[str, Any]] | None = None,
     ) -> None:
         self._nursery = nursery
         self._folder = folder
         self._place = place
-        self._settings = settings
+        self._settings = settings or {}
         self._bags = 0
         self.witness = Witness(nursery, place("witness"), period=period, reliable=reliable)
         self.nodes: dict[str, Child] = {}
@@ -84,7 +84,7 @@ class Loop:
 
     def end(self) -> dict[str, int | None]:
         """End all nodes in order; their exit status."""
-        ends = {}
+        ends: dict[str, int | None] = {}
         for name in ("reference", "controller", "recorder", "plant_simulator"):
             if name in self.nodes:
                 self.nodes[name].send(signal.SIGTERM)

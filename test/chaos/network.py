@@ -53,7 +53,7 @@ def _rows(nursery: Nursery, hosts: Hosts, folder: Path, length: float) -> Iterat
         folder,
         place=lambda name: places["rig" if name in ON_THE_RIG else "desk"],
         reliable=False,  # as what it listens to
-        **SETTINGS,
+        settings=SETTINGS,
     )
     loop.tracks()
     for impairment in FAULTS:

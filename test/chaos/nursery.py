@@ -17,6 +17,7 @@ from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 from types import TracebackType
+from typing import Any
 
 from microgripper_control.control.controller import Mode
 from microgripper_control.control.feedforward import InverseKind
@@ -103,7 +104,13 @@ class Nursery:
         for child in self._children:
             child.kill()
 
-    def node(self, name: str, *, place: Place | None = None, **parameters: object) -> Child:
+    def node(
+        self,
+        name: str,
+        *,
+        place: Place | None = None,
+        **parameters: Any,  # noqa: ANN401
+    ) -> Child:
         """Start a node with its parameters."""
         words = [word for pair in parameters.items() for word in ("-p", "{}:={}".format(*pair))]
         module = import_module(f"microgripper_control.nodes.{name}")
@@ -114,7 +121,7 @@ class Nursery:
 
         return self.fork(name, run, place=place)
 
-    def fork(self, name: str, run: Callable[[], None], *, place: Place | None = None) -> Child:
+    def fork(self, name: str, run: Callable[[], object], *, place: Place | None = None) -> Child:
         """Run a function in a process of its own."""
         self._count += 1
         log = self._folder / f"{self._count:04d}_{name}.log"
@@ -127,7 +134,7 @@ class Nursery:
         return child
 
 
-def _live(run: Callable[[], None], log: Path, place: Place | None) -> int:
+def _live(run: Callable[[], object], log: Path, place: Place | None) -> int:
     """What a child does all its life; its exit status."""
     with log.open("wb") as file:
         for stream in (1, 2):

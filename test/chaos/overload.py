@@ -21,7 +21,7 @@ def overload(nursery: Nursery, folder: Path, length: float) -> Row:
     rate = {"sample_rate": RATE}
     names = ("plant_simulator", "controller", "reference")
     settings = dict.fromkeys(names, rate)
-    loop = Loop(nursery, folder, names=names, period=1.0 / RATE, **settings)
+    loop = Loop(nursery, folder, names=names, period=1.0 / RATE, settings=settings)
     busy = [nursery.fork("busy", _busy) for _ in range(os.cpu_count() or 1)]
     plant = loop.nodes["plant_simulator"]
     loop.witness.until(lambda: loop.witness.health("plant_simulator"), 20.0)

@@ -11,6 +11,7 @@ import tempfile
 import time
 from pathlib import Path
 from statistics import mean
+from typing import Any
 
 from nursery import PERIOD, Nursery
 from run import in_a_domain
@@ -19,7 +20,7 @@ from witness import Witness
 LOOK_PERIOD = 10.0  # s
 GROWTH = 0.03  # of memory and latency, from the second fifth to the last
 LOCKSTEP = {"lockstep": True, "lockstep_timeout": 60.0, "startup_timeout": 60.0}
-NODES = {
+NODES: dict[str, dict[str, Any]] = {
     "controller": LOCKSTEP,
     "reference": {"low": 3e-6, "high": 15e-6, "frequency": 1.0},
     "plant_simulator": LOCKSTEP,

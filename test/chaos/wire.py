@@ -42,11 +42,10 @@ def run_wire(interfaces: tuple[str, str], control: Connection, seed: int) -> Non
             except OSError:  # the interface is down
                 continue
         wait = max(0.0, under_way[0][0] - now) if under_way else 0.1
-        readable, _, _ = select.select([control, *ends], [], [], wait)
-        for source in readable:
-            if source is control:
-                impairment = control.recv()
-                continue
+        select.select([control, *ends], [], [], wait)
+        if control.poll():
+            impairment = control.recv()
+        for source in ends:
             for frame in _frames(source):
                 delay = impairment.delay_of_one(chance)
                 if delay is not None:
@@ -56,7 +55,7 @@ def run_wire(interfaces: tuple[str, str], control: Connection, seed: int) -> Non
 
 def _frames(end: socket.socket) -> list[bytes]:
     """Those that have come."""
-    found = []
+    found: list[bytes] = []
     while True:
         try:
             frame, address = end.recvfrom(LARGEST)
