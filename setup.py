@@ -46,7 +46,7 @@ TEST = [
     "types-PyYAML>=6.0.12,<6.1",  # types of PyYAML
 ]
 
-CONFIG = [str(path) for path in sorted(Path("config").glob("*.yaml"))]
+CONFIG = [str(path) for path in sorted(Path("config").iterdir())]
 LAUNCH = [str(path) for path in sorted(Path("launch").glob("*.launch.py"))]
 NODES = [
     "plant_simulator",

@@ -111,7 +111,7 @@ class FeedbackWatch:
                 if not self._other.agrees(stamp, offset):
                     return Verdict.OUT_OF_TIME
                 self.jumps += 1
-                self._stamp = stamp - 1
+                self._stamp = stamp  # so that no tick counts as missed
                 self._fastest = _Fastest()
         self._other.forget()
         self._fastest.note(offset, now)

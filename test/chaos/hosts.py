@@ -68,6 +68,7 @@ class Hosts:
             _enter(path)
             os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "SUBNET"
             os.environ["FASTDDS_BUILTIN_TRANSPORTS"] = "UDPv4"
+            os.environ.pop("FASTRTPS_DEFAULT_PROFILES_FILE", None)  # that stays on one machine
 
         return enter
 

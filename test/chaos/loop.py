@@ -12,7 +12,7 @@ from typing import Any
 from nursery import NODES, PERIOD, Child, Nursery, Place
 from witness import Witness
 
-PATIENCE = 20.0  # s, for the loop to track
+PATIENCE = 40.0  # s, for the loop to track
 SETPOINTS = {"shape": "sine", "low": 3e-6, "high": 15e-6, "frequency": 0.25}
 SETTINGS: dict[str, dict[str, Any]] = {
     "plant_simulator": {},

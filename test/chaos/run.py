@@ -20,7 +20,14 @@ from overload import overload
 from rounds import rounds
 from table import Row
 
+from microgripper_control.core.share import share_folder
 from microgripper_control.demo.domain import on_this_machine, unused_domain
+
+# In shared memory a process that is stopped with a lock in its hands stops those who write to it.
+UDP_ALONE = {
+    "ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT",
+    "FASTRTPS_DEFAULT_PROFILES_FILE": str(share_folder() / "config" / "fastdds_udp.xml"),
+}
 
 
 @dataclass(frozen=True)
@@ -80,7 +87,7 @@ def in_a_domain(logs: Path) -> Iterator[None]:
     """A ROS domain that nobody else uses and that does not leave this machine."""
     before = dict(os.environ)
     with unused_domain() as domain:
-        inside = on_this_machine(domain) | {"ROS_LOG_DIR": str(logs)}
+        inside = on_this_machine(domain) | {"ROS_LOG_DIR": str(logs)} | UDP_ALONE
         try:
             os.environ.clear()
             os.environ.update(inside)
