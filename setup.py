@@ -46,7 +46,7 @@ TEST = [
     "types-PyYAML>=6.0.12,<6.1",  # types of PyYAML
 ]
 
-CONFIG = [str(path) for path in sorted(Path("config").iterdir())]
+CONFIG = [str(path) for path in sorted(Path("config").iterdir()) if path.is_file()]
 LAUNCH = [str(path) for path in sorted(Path("launch").glob("*.launch.py"))]
 NODES = [
     "plant_simulator",

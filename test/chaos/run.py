@@ -37,12 +37,13 @@ class Dose:
     messages: int = 1_000_000
     flood: float = 20.0  # s
     rounds: int = 200
-    budget: float = 400.0  # s, for the rounds
+    most: float = 560.0  # s, for all: what is over it the rounds do without
     ends: int = 200
     network: float = 5.0  # s of each impairment
     overload: float = 8.0  # s
 
 
+OVERHEAD = 20.0  # s, for starting and ending loops
 FULL = Dose()
 SMALL = Dose(messages=20_000, flood=1.5, rounds=4, ends=8, network=1.0, overload=2.0)
 
@@ -53,28 +54,36 @@ def run(folder: Path, dose: Dose, seed: int, say: Callable[[str], None]) -> list
     chance = random.Random(seed)
     folder.mkdir(parents=True, exist_ok=True)
     os.chdir(folder)
+    begin = time.monotonic()
     with in_a_domain(folder / "ros"), Nursery(folder / "log") as nursery:
 
         def take(what: str, work: Callable[[], list[Row]]) -> None:
-            begin = time.monotonic()
+            start = time.monotonic()
             rows.extend(work())
-            say(f"{what}: {time.monotonic() - begin:.0f} s")
+            say(f"{what}: {time.monotonic() - start:.0f} s")
 
         take("callbacks", lambda: [feed(nursery, folder, dose.messages, seed)])
         take("ends", lambda: [ends(nursery, dose.ends, chance)])
-        take("rounds", lambda: _on_a_loop(nursery, folder, dose, seed, chance))
+        took = time.monotonic() - begin
+        budget = dose.most - took - dose.flood - 4 * dose.network - dose.overload - OVERHEAD
+        take("rounds", lambda: _on_a_loop(nursery, folder, dose, budget, seed, chance))
         take("network", lambda: network(nursery, folder / "hosts", dose.network, seed))
         take("overload", lambda: [overload(nursery, folder, dose.overload)])
     return rows
 
 
 def _on_a_loop(
-    nursery: Nursery, folder: Path, dose: Dose, seed: int, chance: random.Random
+    nursery: Nursery,
+    folder: Path,
+    dose: Dose,
+    budget: float,
+    seed: int,
+    chance: random.Random,
 ) -> list[Row]:
     """What is done to one and the same loop."""
     loop = Loop(nursery, folder)
     found = [
-        *rounds(loop, dose.rounds, dose.budget, chance),
+        *rounds(loop, dose.rounds, budget, chance),
         flood(nursery, loop, dose.flood, seed),
     ]
     statuses = loop.end()
