@@ -26,7 +26,6 @@ def flood(nursery: Nursery, loop: Loop, length: float, seed: int) -> Row:
     row = Row("hostile messages, over DDS")
     loop.tracks()
     before = {name: child.memory for name, child in loop.nodes.items()}
-    violations = loop.witness.invariants().violations
     child = nursery.fork("hostile", lambda: _flood(seed))
     time.sleep(length)
     child.send(signal.SIGTERM)
@@ -42,9 +41,8 @@ def flood(nursery: Nursery, loop: Loop, length: float, seed: int) -> Row:
         grown = {name: loop.nodes[name].memory - before[name] for name in before}
         faults += [f"{name} grew by {1e-6 * n:.0f} MB" for name, n in grown.items() if n > GROWTH]
         row.remarks.append(f"memory at worst {max(grown.values()) / 1e6:+.1f} MB")
-    invariants = loop.witness.invariants()
-    if invariants.violations > violations:
-        faults += invariants.described
+    invariants = loop.witness.account()
+    faults += invariants.described
     row.saw(invariants)
     row.survived = 0 if faults else row.injected
     row.notes += faults

@@ -48,6 +48,10 @@ class Invariants:
                 self._violated(at, f"{before:.3f} to {voltage:.3f} V in {1e3 * (at - then):.3f} ms")
         self._last = at, voltage
 
+    def anew(self) -> Invariants:
+        """One that goes on from the last voltage."""
+        return Invariants(self.period, _last=self._last)
+
     def _violated(self, at: float, what: str) -> None:
         self.violations += 1
         if len(self.described) < SHOWN:

@@ -41,7 +41,7 @@ def overload(nursery: Nursery, folder: Path, length: float) -> Row:
     if "ticks missed" not in plant.log.read_text():
         row.failed("misses were not reported")
     row.notes += [f"ended: {one}" for one in loop.dead()]
-    invariants = loop.witness.invariants()
+    invariants = loop.witness.account()
     row.saw(invariants)
     row.notes += invariants.described
     skipped = loop.witness.health("controller").get("samples missed", "?")

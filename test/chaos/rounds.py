@@ -62,7 +62,6 @@ def _one(loop: Loop, fault: str, name: str, row: Row, chance: random.Random) -> 
         yield f"before it, {error}"
         return
     time.sleep(chance.uniform(SOONEST, LATEST))
-    before = loop.witness.invariants().violations
     begin = time.time()
     waited = loop.nodes[GUARDED_BY[name]].waited if name in LOST else 0.0
     node = loop.nodes[name]
@@ -89,9 +88,9 @@ def _one(loop: Loop, fault: str, name: str, row: Row, chance: random.Random) -> 
         yield str(error)
     if loop.dead():
         yield f"ended: {', '.join(loop.dead())}"
-    invariants = loop.witness.invariants()
+    invariants = loop.witness.account()
     row.saw(invariants)
-    if invariants.violations > before:
+    if invariants.violations:
         yield f"the voltage: {'; '.join(invariants.described)}"
 
 

@@ -48,7 +48,7 @@ def soak(minutes: float) -> list[str]:
             left = (end - now) / 60.0
             print(f"{minutes - left:6.1f} " + " ".join(f"{one:20.1f}" for one in rows[-1]))
         print(f"{PERIOD * samples / 60.0:.1f} minutes of the plant's time")
-        invariants = witness.invariants()
+        invariants = witness.account()
         print(f"voltage {invariants.lowest:.1f} to {invariants.highest:.1f} V")
     return [*_growth([*nodes, "time of a sample"], rows)]
 

@@ -59,9 +59,9 @@ class Witness:
             pass
         raise RuntimeError(f"the witness does not answer: {self.process.log.read_text()}")
 
-    def invariants(self) -> Invariants:
-        """Of the voltages on the topic."""
-        found: Invariants = self._ask("invariants")
+    def account(self) -> Invariants:
+        """Of the voltages on the topic since the last account."""
+        found: Invariants = self._ask("account")
         return found
 
     def since(self, topic: str, start: float) -> Course:
@@ -157,8 +157,9 @@ class _Watching:
         else:
             self._invariants.note(at, message.data)
 
-    def invariants(self) -> Invariants:
-        return self._invariants
+    def account(self) -> Invariants:
+        closed, self._invariants = self._invariants, self._invariants.anew()
+        return closed
 
     def health(self, name: str) -> dict[str, str]:
         return self._health.get(name, {})
