@@ -1,6 +1,8 @@
 # make demo   the gripper, simulated, controlled, recorded and identified; results in out/demo
 # make paper  every table and figure of the paper, recomputed; results in out/paper
 # make test   style, types and all tests
+# make chaos  a million hostile messages, hundreds of dead nodes, a bad network, overload; ten minutes
+# make soak   half an hour in lockstep: memory and latency stay where they are
 # make clean  removes the environment and everything generated
 #
 # The first run installs into a virtual environment of its own, .venv. Where ROS 2 is sourced, that
@@ -19,7 +21,7 @@ endif
 BIN := $(VENV)/bin
 INSTALLED := $(VENV)/installed
 
-.PHONY: demo paper test install clean
+.PHONY: demo paper test chaos soak install clean
 
 demo: install
 	$(BIN)/microgripper demo --out out/demo
@@ -32,6 +34,12 @@ test: install
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/pytest
+
+chaos: install
+	$(BIN)/python test/chaos --keep docs/reliability.md
+
+soak: install
+	$(BIN)/python test/chaos/soak.py
 
 install: $(INSTALLED)
 

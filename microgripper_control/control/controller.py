@@ -121,8 +121,16 @@ class Controller:
 
         Raises MicrogripperError if it is not finite.
         """
-        voltage = self.guard.start(reported)
         self._command = math.nan
+        return self.resume(reported, math.inf)
+
+    def resume(self, reported: float, elapsed: float) -> float:
+        """Go on at the voltage that the plant reports after it was out of sight; returns it, V.
+
+        The command stays. `elapsed` is the time since the last voltage went out, s, after which
+        the rate allows only so much. Raises MicrogripperError if the report is not finite.
+        """
+        voltage = self.guard.start(reported, elapsed)
         self._law_changed()
         return voltage
 

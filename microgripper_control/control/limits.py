@@ -49,6 +49,7 @@ class VoltageGuard:
 
     def __init__(self, limits: VoltageLimits, sample_period: float) -> None:
         self._limits = limits
+        self._period = sample_period
         self._largest_change = limits.rate * sample_period
         self._ramp_change = limits.ramp_rate * sample_period
         self._voltage = limits.safe
@@ -73,15 +74,26 @@ class VoltageGuard:
         """The highest voltage that may go out next, V."""
         return min(self._limits.high, self._voltage + self._largest_change)
 
-    def start(self, reported: float) -> float:
+    def start(self, reported: float, elapsed: float = math.inf) -> float:
         """Begin at the voltage that the plant reports, V; the range comes first if it is outside.
 
-        Raises MicrogripperError if it is not finite: there is nothing to begin from.
+        Where a voltage went out `elapsed` s ago the rate comes first, too. Raises MicrogripperError
+        if the report is not finite: there is nothing to begin from.
         """
         if not math.isfinite(reported):
             raise MicrogripperError(f"plant: reports {reported} V; wait for a finite voltage")
-        self._voltage = self._limits.clip(reported)
+        change = self._limits.rate * max(elapsed, 0.0)
+        near = min(max(reported, self._voltage - change), self._voltage + change)
+        self._voltage = self._limits.clip(near)
         return self._voltage
+
+    def passed(self, elapsed: float) -> None:
+        """Say how long ago the last voltage went out, s: the next one follows it at the rate.
+
+        A sample period at most, and without this call a sample period: what comes late may not
+        jump, and samples that come too fast must not make the voltage fast.
+        """
+        self._largest_change = self._limits.rate * min(max(elapsed, 0.0), self._period)
 
     def step(self, command: float) -> float:
         """The voltage to publish for a command, V; NaN and infinities repeat the last one."""

@@ -5,13 +5,12 @@ time for the setpoint that `reference` publishes for the same sample: where setp
 sample, the answer waits for it, in wall time no longer than `setpoint_wait`. In lockstep it waits
 until it is there, and a setpoint that does not come ends the run with an error.
 
-The limits are the last thing before a voltage goes out. On deactivation and at the end the voltage
-is brought to `safe_voltage` at `ramp_rate`; not in lockstep, where nobody takes samples any more.
+On deactivation, at the end, and while nothing fresh is heard from the plant, the voltage is brought
+to `safe_voltage` at `ramp_rate`; not in lockstep, where nobody takes samples any more.
 """
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Iterable
 from typing import Any
@@ -21,15 +20,25 @@ from std_msgs.msg import Float64
 
 from microgripper_control.control.controller import Controller, Mode
 from microgripper_control.nodes import controller_settings, topics
+from microgripper_control.nodes.applied_watch import AppliedWatch
+from microgripper_control.nodes.contact import Contact
 from microgripper_control.nodes.controller_health import Statistics
-from microgripper_control.nodes.controller_settings import LIVE, NAMES, ControllerSettings
+from microgripper_control.nodes.controller_settings import (
+    APPLY_TIMEOUT,
+    APPLY_TOLERANCE,
+    FEEDBACK_TIMEOUT,
+    LIVE,
+    NAMES,
+    ControllerSettings,
+)
+from microgripper_control.nodes.feedback_watch import FeedbackWatch
 from microgripper_control.nodes.health import Health
 from microgripper_control.nodes.managed import ManagedShell
 from microgripper_control.nodes.pairing import Pairing
 from microgripper_control.nodes.parameters import follow_changes
+from microgripper_control.nodes.rivals import Rivals
 from microgripper_control.nodes.shell import POLL, run
-
-REPEATED = 3  # times the safe voltage is sent in the end: nobody could send it again later
+from microgripper_control.nodes.voltage_output import VoltageOutput
 
 
 class ControllerNode(ManagedShell):
@@ -43,10 +52,15 @@ class ControllerNode(ManagedShell):
         self._settings = ControllerSettings.of(self._values(NAMES))
         self._controller: Controller | None = None
         self._samples = topics.Newest(self, topics.JOINT_STATES, self._on_sample)
-        self._setpoints = (
-            topics.Newest(self, topics.SETPOINT, self._on_setpoint),
-            topics.Newest(self, topics.VOLTAGE_SETPOINT, self._on_voltage_setpoint),
-        )
+        self._setpoints = {
+            topics.SETPOINT: topics.Newest(self, topics.SETPOINT, self._on_setpoint),
+            topics.VOLTAGE_SETPOINT: topics.Newest(
+                self, topics.VOLTAGE_SETPOINT, self._on_voltage_setpoint
+            ),
+        }
+        self._rivals = {
+            topic: Rivals(self, topic) for topic in (topics.VOLTAGE_COMMAND, *self._setpoints)
+        }
         follow_changes(self, NAMES, self._checked, self._apply)
 
     def configure(self) -> None:
@@ -54,35 +68,43 @@ class ControllerNode(ManagedShell):
         self._settings = ControllerSettings.of(self._values(NAMES))
         self._settings.compile()
         self._controller = self._settings.controller()
-        self._answer = Float64()
-        self._answers = topics.publish_on(self, topics.VOLTAGE_COMMAND)
+        self._output = VoltageOutput(self)
 
     def cleanup(self) -> None:
         """Withdraw the topics."""
         self._controller = None
-        self.destroy_publisher(self._answers)
+        self._output.close()
 
     def activate(self) -> None:
         """Begin to take samples, in lockstep once the plant takes the answers."""
+        period = self._settings.sample_period
         self._lockstep = self._value("lockstep")
         self._awaits = self._lockstep and self._value("await_setpoint")
-        patience = self._value("setpoint_wait") * self._settings.sample_period
+        patience = self._value("setpoint_wait") * period
         if self._lockstep:
             patience = self._value("lockstep_timeout")
         self._pairing = Pairing(patience, lockstep=self._lockstep, awaits=self._awaits)
-        self._statistics = Statistics()
-        self._started = False
+        assert self._controller is not None
+        self._contact = Contact(
+            self._controller,
+            self._output,
+            FeedbackWatch(self._value(FEEDBACK_TIMEOUT.name), period),
+            AppliedWatch(self._value(APPLY_TIMEOUT.name), self._value(APPLY_TOLERANCE.name)),
+            sample_period=period,
+            lockstep=self._lockstep,
+        )
+        self._intake = controller_settings.make_intake(self)
+        self._statistics = Statistics(self._contact, self._intake, self._rivals)
         if not self._awaits:
             self._open_setpoints()
         if not self._lockstep:
-            self._samples.open()
+            self._samples.open(reliable=False)
 
     def deactivate(self) -> None:
         """Bring the voltage down."""
-        for subscription in (*self._setpoints, self._samples):
+        for subscription in (*self._setpoints.values(), self._samples):
             subscription.close()
-        if self._started and not self._lockstep:
-            self._ramp_down()
+        self._contact.end()
 
     def work(self, now: float) -> float:
         """As `Shell` says."""
@@ -92,17 +114,21 @@ class ControllerNode(ManagedShell):
             self._join()
         if now >= self._pairing.deadline:
             if self._lockstep:
-                open_loop = self._settings.mode is Mode.OPEN_LOOP
-                topic = topics.VOLTAGE_SETPOINT if open_loop else topics.SETPOINT
-                self.fail(f"lockstep: no {topic} came for a sample")
+                self.fail(f"lockstep: no {self._setpoint_topic} came for a sample")
                 return 0.0
             self._statistics.late += 1
             self._answer_sample()
-        return max(0.0, self._pairing.deadline - time.monotonic())
+        if not self._lockstep:
+            self._intake.look(now)
+            if self._contact.feedback.is_lost(now):
+                self._pairing.drop()
+                return self._contact.descend(now)
+        wait = min(self._pairing.deadline - time.monotonic(), self._contact.feedback.left)
+        return max(0.0, min(wait, self._intake.left))
 
     def _join(self) -> None:
         """In lockstep: take samples once all others are there and have been told of."""
-        for subscription in self._setpoints:
+        for subscription in self._setpoints.values():
             subscription.open(if_published=True)
         if not self._missing():
             self._samples.open(if_published=True)
@@ -110,30 +136,25 @@ class ControllerNode(ManagedShell):
             self._open_setpoints()
 
     def _missing(self) -> list[str]:
-        missing = topics.missing_partners(self, self._answers, self._value("partners"))
-        if self._awaits and not any(subscription.is_open for subscription in self._setpoints):
+        missing = topics.missing_partners(self, self._output.publisher, self._value("partners"))
+        if self._awaits and not any(one.is_open for one in self._setpoints.values()):
             missing.append("a publisher of setpoints")
         return missing
 
     def _open_setpoints(self) -> None:
-        for subscription in self._setpoints:
+        for subscription in self._setpoints.values():
             subscription.open()
 
     def _on_sample(self, message: JointState) -> None:
         if not self.active or self._controller is None:
             return
+        now = time.monotonic()
         displacement, voltage = topics.finger(message)
-        if not self._started:
-            if not math.isfinite(voltage):
-                self._statistics.unusable += 1
-                return
-            self._controller.start(voltage)
-            self._started = True
-        if not math.isfinite(displacement + voltage):
-            self._statistics.unusable += 1
+        if not self._contact.meets(topics.stamp_of(message), displacement, voltage, now):
+            return
         if self._pairing.waiting:
             self._answer_sample()
-        if self._pairing.sample(displacement, voltage, time.monotonic()):
+        if self._pairing.sample(displacement, voltage, now):
             self._answer_sample()
 
     def _on_setpoint(self, message: Float64) -> None:
@@ -145,33 +166,24 @@ class ControllerNode(ManagedShell):
             self._take_command(message.data)
 
     def _take_command(self, command: float) -> None:
-        if not self.active:
+        if not self.active or self._controller is None:
             return
-        if self._pairing.setpoint(command):
+        limits = self._settings.limits
+        is_voltage = self._settings.mode is Mode.OPEN_LOOP
+        reach = (limits.low, limits.high) if is_voltage else self._controller.reach
+        was_returning = self._intake.returns
+        taken = self._intake.take(command, reach, time.monotonic())
+        if was_returning:
+            self._contact.returned()
+        if self._pairing.setpoint(taken):
             self._answer_sample()
         if self._lockstep and self._pairing.surplus:
             self.fail("lockstep: two setpoints for one sample; is there a second publisher?")
 
     def _answer_sample(self) -> None:
-        assert self._controller is not None
         paired = self._pairing.take()
-        self._publish(self._controller.step(paired.setpoint, paired.displacement, paired.voltage))
-        self._statistics.note(paired)
-
-    def _publish(self, voltage: float) -> None:
-        self._answer.data = voltage
-        self._answers.publish(self._answer)
-
-    def _ramp_down(self) -> None:
-        assert self._controller is not None
-        guard, period = self._controller.guard, self._settings.sample_period
-        due = time.monotonic()
-        last = 0
-        while last < REPEATED:
-            last += guard.voltage == guard.limits.safe
-            self._publish(guard.ramp_to(guard.limits.safe))
-            due += period
-            time.sleep(max(0.0, due - time.monotonic()))
+        if self._contact.answer(paired, returns=self._intake.returns):
+            self._statistics.note(paired)
 
     def _checked(self, changes: dict[str, Any]) -> ControllerSettings:
         known = None if "model_file" in changes else self._settings.identified
@@ -181,6 +193,11 @@ class ControllerNode(ManagedShell):
         if self._controller is not None:
             settings.change(self._controller, self._settings)
         self._settings = settings
+
+    @property
+    def _setpoint_topic(self) -> str:
+        open_loop = self._settings.mode is Mode.OPEN_LOOP
+        return topics.VOLTAGE_SETPOINT if open_loop else topics.SETPOINT
 
     def health(self, elapsed: float) -> Health:
         """As `Shell` says."""

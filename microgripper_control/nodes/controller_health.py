@@ -3,23 +3,39 @@
 from __future__ import annotations
 
 import math
+import time
+from collections.abc import Mapping
 
 from microgripper_control.control.controller import Controller, Mode
+from microgripper_control.nodes.contact import Contact
+from microgripper_control.nodes.feedback_watch import Verdict
 from microgripper_control.nodes.health import Health, Level
 from microgripper_control.nodes.pairing import Paired
+from microgripper_control.nodes.rivals import Rivals
+from microgripper_control.nodes.setpoint_intake import SetpointIntake
+from microgripper_control.nodes.topics import VOLTAGE_COMMAND
+
+REFUSED = (Verdict.REPEATED, Verdict.LATE, Verdict.OUT_OF_TIME)
 
 
 class Statistics:
-    """Counts since the controller became active; `since` the last report where it says so."""
+    """Counts since the controller became active; what is compared is compared with the last report.
 
-    def __init__(self) -> None:
-        self.late = 0  # setpoints that did not come in time
-        self.unusable = 0  # samples without a finite displacement or voltage
+    `late` counts the setpoints that did not come in time.
+    """
+
+    def __init__(
+        self, contact: Contact, intake: SetpointIntake, rivals: Mapping[str, Rivals]
+    ) -> None:
+        self.late = 0
+        self._feedback, self._applied = contact.feedback, contact.applied
+        self._intake = intake
+        self._rivals = rivals
         self._answered = 0
         self._last_setpoint = math.nan
         self._squares = 0.0  # m^2, since the last report
         self._compared = 0  # samples, since the last report
-        self._before = (0, 0, 0)  # answered, unusable, refused and clamped, at the last report
+        self._before: dict[str, int] = {}
 
     def note(self, paired: Paired) -> None:
         """Count a sample that was answered."""
@@ -33,33 +49,73 @@ class Statistics:
 
     def health(self, controller: Controller, elapsed: float) -> Health:
         """The report, `elapsed` s after the last one."""
-        now = (self._answered, self.unusable, controller.refused + controller.clamped)
-        answered, unusable, refused = (
-            new - old for new, old in zip(now, self._before, strict=True)
-        )
-        self._before = now
+        counts = self._counts(controller)
+        new = {name: count - self._before.get(name, 0) for name, count in counts.items()}
+        self._before = counts
+        per_sample = new["setpoints"] / max(new["answers"], 1)
+        found = [
+            one.state
+            for topic, one in self._rivals.items()
+            if one.look(time.monotonic(), 0.0 if topic == VOLTAGE_COMMAND else per_sample)
+        ]
         values: dict[str, object] = {
             "mode": controller.mode.value,
-            "rate, Hz": answered / elapsed,
+            "rate, Hz": new["answers"] / elapsed,
             "voltage, V": controller.guard.voltage,
-            "answers": self._answered,
-            "late setpoints": self.late,
-            "unusable samples": self.unusable,
-            "setpoints not finite": controller.refused,
-            "setpoints out of reach": controller.clamped,
-            "answers cut by the limits": controller.limited,
+            "feedback": self._feedback.state,
+            "plant obeys": self._applied.state,
+            "setpoints come as": self._intake.state,
+            **{f"publishers of {topic}": one.state for topic, one in self._rivals.items()},
+            **counts,
         }
         if self._compared and controller.mode is not Mode.OPEN_LOOP:
             values["tracking error rms, m"] = math.sqrt(self._squares / self._compared)
         self._squares, self._compared = 0.0, 0
+        wrong = self._what_is_wrong(new) or next(iter(found), "")
+        if self._feedback.lost:
+            level = Level.WARN if self._feedback.begun else Level.OK
+            return Health(f"feedback {self._feedback.state}; safe voltage", level, values)
+        if wrong:
+            return Health(wrong, Level.WARN, values)
         if not self._answered:
             return Health("waiting for joint_states", Level.OK, values)
-        if not answered:
-            return Health("no joint_states to answer", Level.WARN, values)
-        if unusable:
-            return Health("joint_states without a finite position and effort", Level.WARN, values)
-        if refused:
-            return Health("setpoints not finite or out of reach", Level.WARN, values)
         if math.isnan(self._last_setpoint):
             return Health("waiting for a setpoint", Level.OK, values)
         return Health(values=values)
+
+    def _what_is_wrong(self, new: Mapping[str, int]) -> str:
+        """The worst of what has happened since the last report; empty if nothing has."""
+        if new["losses of feedback"]:
+            return "feedback was lost, and came back"
+        if new["times the plant did not obey"]:
+            return "the plant does not apply voltage_command"
+        if new["clock jumps"]:
+            return "the plant's clock jumped"
+        if new["unusable samples"]:
+            return f"joint_states: {Verdict.UNUSABLE.value}"
+        for verdict in REFUSED:
+            if new[f"refused: {verdict.value}"]:
+                return f"joint_states: {verdict.value}"
+        if self._intake.stopped:
+            return f"the stream of setpoints {self._intake.state}"
+        if new["setpoints not finite or refused"] or new["setpoints out of reach"]:
+            return "setpoints not finite or out of reach"
+        return ""
+
+    def _counts(self, controller: Controller) -> dict[str, int]:
+        feedback = self._feedback
+        return {
+            "answers": self._answered,
+            "setpoints": self._intake.count,
+            "late setpoints": self.late,
+            "setpoints not finite or refused": controller.refused,
+            "setpoints out of reach": controller.clamped + self._intake.refused,
+            "streams of setpoints stopped": self._intake.stops,
+            "answers cut by the limits": controller.limited,
+            "losses of feedback": feedback.losses,
+            "times the plant did not obey": self._applied.refusals,
+            "clock jumps": feedback.jumps,
+            "samples missed": feedback.missed,
+            "unusable samples": feedback.counts[Verdict.UNUSABLE],
+            **{f"refused: {verdict.value}": feedback.counts[verdict] for verdict in REFUSED},
+        }

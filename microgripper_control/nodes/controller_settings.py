@@ -25,6 +25,7 @@ from microgripper_control.nodes.parameters import (
     declare_texts,
     model_path,
 )
+from microgripper_control.nodes.setpoint_intake import OutOfReach, SetpointIntake, StreamLoss
 from microgripper_control.plant.model_file import load_model
 
 SAMPLE_RATE = Parameter("sample_rate", "Hz", 1000.0, 0.1, 20000.0, "of the plant")
@@ -34,6 +35,34 @@ WAITS = (
     ),
     Parameter("lockstep_timeout", "s", 5.0, 0.01, 3600.0, "lockstep: longest wait for a setpoint"),
 )
+FEEDBACK_TIMEOUT = Parameter(
+    "feedback_timeout",
+    "s",
+    0.06,
+    0.002,
+    60.0,
+    "wall time: without fresh joint_states for so long, ramp to safe_voltage",
+)
+APPLY_TIMEOUT = Parameter(
+    "apply_timeout",
+    "s",
+    0.02,
+    1e-3,
+    60.0,
+    "wall time: longest way of a voltage to the plant and back",
+)
+APPLY_TOLERANCE = Parameter(
+    "apply_tolerance", "V", 1.0, 1e-6, 1e4, "wall time: how well the plant reports what it applies"
+)
+SETPOINT_TIMEOUT = Parameter(
+    "setpoint_timeout",
+    "s",
+    0.2,
+    0.0,
+    60.0,
+    "wall time: a stream of setpoints has stopped; 0: never",
+)
+OUT_OF_REACH, STREAM_LOSS = "setpoint_out_of_reach", "setpoint_loss"
 LIMITS = {  # parameter of the node -> field of VoltageLimits
     "voltage_min": "low",
     "voltage_max": "high",
@@ -122,7 +151,33 @@ def declare(node: Node) -> None:
         ["plant_simulator"],
         "lockstep: names of the nodes that must get voltage_command before it begins",
     )
-    declare_numbers(node, WAITS)
+    declare_numbers(
+        node, (*WAITS, FEEDBACK_TIMEOUT, APPLY_TIMEOUT, APPLY_TOLERANCE, SETPOINT_TIMEOUT)
+    )
+    declare_text(
+        node,
+        OUT_OF_REACH,
+        OutOfReach.CLAMP.value,
+        "what to do with setpoints that cannot be reached; either way they are reported",
+        choices=[one.value for one in OutOfReach],
+    )
+    declare_text(
+        node,
+        STREAM_LOSS,
+        StreamLoss.HOLD.value,
+        "when a stream of setpoints stops: hold the last one, or return to safe_voltage",
+        choices=[one.value for one in StreamLoss],
+    )
+
+
+def make_intake(node: Node) -> SetpointIntake:
+    """What takes setpoints in as the parameters say; in lockstep it waits for them, and no stop."""
+    lockstep = node.get_parameter("lockstep").value
+    return SetpointIntake(
+        OutOfReach(node.get_parameter(OUT_OF_REACH).value),
+        StreamLoss(node.get_parameter(STREAM_LOSS).value),
+        0.0 if lockstep else node.get_parameter(SETPOINT_TIMEOUT.name).value,
+    )
 
 
 def _declare_law(node: Node) -> None:

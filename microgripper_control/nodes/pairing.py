@@ -60,6 +60,11 @@ class Pairing:
         self._arrived += 1
         return self._sample is not None
 
+    def drop(self) -> None:
+        """Forget a sample that waits; a setpoint stays for the next."""
+        self._sample = None
+        self.deadline = math.inf
+
     def take(self) -> Paired:
         """The sample that waits, with its setpoint if there is one."""
         assert self._sample is not None

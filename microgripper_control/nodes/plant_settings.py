@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from rclpy.node import Node
 
+from microgripper_control.control.limits import VoltageGuard, VoltageLimits
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.effects.registry import link_named
 from microgripper_control.nodes.parameters import (
@@ -18,6 +19,7 @@ from microgripper_control.nodes.parameters import (
     declare_texts,
     model_path,
 )
+from microgripper_control.nodes.rig_guard import RigGuard
 from microgripper_control.plant.model_file import load_model
 from microgripper_control.plant.rig import Rig
 
@@ -29,6 +31,16 @@ NUMBERS = (
     Parameter("startup_timeout", "s", 60.0, 0.1, 3600.0, "lockstep: longest wait for partners"),
     Parameter("lockstep_timeout", "s", 5.0, 0.01, 3600.0, "lockstep: longest wait for a command"),
 )
+COMMAND_TIMEOUT = Parameter(
+    "command_timeout",
+    "s",
+    0.06,
+    0.0,
+    3600.0,
+    "wall time: without voltage_command for so long the rig ramps to safe_voltage by itself; "
+    "0: it holds the last one",
+)
+GUARD = {"safe_voltage": "safe", "ramp_rate": "ramp_rate"}  # of the node -> of VoltageLimits
 
 
 def declare(node: Node) -> None:
@@ -41,8 +53,15 @@ def declare(node: Node) -> None:
         ["controller", "reference"],
         "lockstep: names of the nodes that must get joint_states before it begins",
     )
-    declare_numbers(node, NUMBERS)
-    settings = load_model(model_path(model_file)).settings.get(NOISE.name, {})
+    declare_numbers(node, (*NUMBERS, COMMAND_TIMEOUT))
+    model = load_model(model_path(model_file))
+    low, high = model.voltage_range
+    limits = {parameter.name: parameter for parameter in VoltageLimits.parameters()}
+    for name, field in GUARD.items():
+        usual = limits[field]
+        nominal = min(max(0.0, low), high) if field == "safe" else usual.nominal
+        declare_number(node, replace(usual, name=name, nominal=nominal))
+    settings = model.settings.get(NOISE.name, {})
     for name, key in NOISE_PARAMETERS.items():
         declared = NOISE.parameter(key)
         nominal = settings[key].value if key in settings else declared.nominal
@@ -59,3 +78,16 @@ def make_rig(node: Node) -> Rig:
     period = 1.0 / node.get_parameter("sample_rate").value
     Rig(model, period).tick()  # compiles; the one that runs draws its noise afresh
     return Rig(model, period)
+
+
+def make_guard(node: Node, voltage: float) -> RigGuard:
+    """The own guard of a rig that stands at `voltage`, V.
+
+    Raises MicrogripperError where its safe voltage is none of the model's.
+    """
+    low, high = load_model(model_path(node.get_parameter("model_file").value)).voltage_range
+    own = {field: node.get_parameter(name).value for name, field in GUARD.items()}
+    limits = VoltageLimits(low=low, high=high, rate=own["ramp_rate"], **own)
+    period = 1.0 / node.get_parameter("sample_rate").value
+    patience = node.get_parameter(COMMAND_TIMEOUT.name).value
+    return RigGuard(VoltageGuard(limits, period), patience, voltage)

@@ -4,6 +4,9 @@ In wall time tick k is due at start + k T, whatever happened before; when ticks 
 the plant moves on under the held voltage, and their samples are counted as missed, not published.
 In lockstep tick k+1 follows as soon as the command that answers tick k has come; stamps count from
 zero, and `/clock` tells the time. An answer that does not come ends the run with an error.
+
+As a rig's driver should, it does not rely on the controller: in wall time, when commands stop, it
+brings the voltage down by itself, and on deactivation, too.
 """
 
 from __future__ import annotations
@@ -17,6 +20,7 @@ from microgripper_control.nodes import plant_settings, topics
 from microgripper_control.nodes.health import Health, Level
 from microgripper_control.nodes.managed import ManagedShell
 from microgripper_control.nodes.pacing import Pace
+from microgripper_control.nodes.rivals import Rivals
 from microgripper_control.nodes.sample_publisher import SamplePublisher
 from microgripper_control.nodes.shell import POLL, run
 
@@ -30,15 +34,17 @@ class PlantSimulator(ManagedShell):
         super().__init__("plant_simulator")
         plant_settings.declare(self)
         self._commands = topics.Newest(self, topics.VOLTAGE_COMMAND, self._on_command)
+        self._rivals = Rivals(self, topics.VOLTAGE_COMMAND)
 
     def configure(self) -> None:
         """Load the model, compile, then offer the topics."""
         self._rig = plant_settings.make_rig(self)
+        self._guard = plant_settings.make_guard(self, self._rig.voltage)
         self._rate: float = self._value("sample_rate")
         self._last_tick = round(self._value("duration") * self._rate)
         self._tick = 0  # the next one
-        self._missed = 0
-        self._counted = (0, 0, 0, 0)
+        self._missed = self._commanded = 0
+        self._counted: dict[str, int] = {}
         self._samples = SamplePublisher(self)
 
     def activate(self) -> None:
@@ -49,13 +55,19 @@ class PlantSimulator(ManagedShell):
         self._since = self._began = time.monotonic()
         self._origin = 0  # stamp of tick 0, ns
         if not self._lockstep:
-            self._commands.open()
+            self._commands.open(reliable=False)
             self._origin = self.get_clock().now().nanoseconds - self._age(self._tick)
             self._pace = Pace(1.0 / self._rate, self._since)
 
     def deactivate(self) -> None:
-        """Take no more commands; the voltage stays as it is."""
+        """Take no more commands, and bring the voltage down."""
         self._commands.close()
+        if self._lockstep or self.outcome is not None:
+            return
+        self._guard.release(self._rig.voltage)
+        while self._guard.acting and self._rig.voltage != self._guard.safe:
+            time.sleep(self._pace.wait(time.monotonic()))
+            self._pass(time.monotonic())
 
     def cleanup(self) -> None:
         """Withdraw the topics."""
@@ -74,16 +86,25 @@ class PlantSimulator(ManagedShell):
         if self._lockstep:
             self._check_lockstep(now)
             return POLL
+        self._pass(now)
+        self._finish_if_over()
+        return self._pace.wait(time.monotonic())
+
+    def _pass(self, now: float) -> None:
+        """Let the ticks pass that have become due."""
         due = self._pace.due(now)
+        if not due:
+            return
         for _ in range(due - 1):
             self._rig.miss()
-        if due:
-            self._missed += due - 1
-            self._tick += due - 1
-            self._advance()
-            self._publish()
-            self._finish_if_over()
-        return self._pace.wait(time.monotonic())
+        self._missed += due - 1
+        self._tick += due - 1
+        self._guard.stood_still((due - 1) * self._pace.period, self._rig.voltage)
+        guarded = self._guard.tick(now, self._rig.voltage)
+        if guarded is not None:
+            self._rig.command(guarded)
+        self._advance()
+        self._publish()
 
     def _check_lockstep(self, now: float) -> None:
         """Begin once everybody is there; fail where somebody is missing for too long."""
@@ -110,7 +131,9 @@ class PlantSimulator(ManagedShell):
         self._publish()
 
     def _on_command(self, message: Float64) -> None:
-        self._rig.command(message.data)
+        self._commanded += 1
+        if self._lockstep or self._guard.command(message.data, time.monotonic()):
+            self._rig.command(message.data)
         if self.active and self._lockstep and self._asked and self.outcome is None:
             self._finish_if_over()
             if self.outcome is None:
@@ -137,25 +160,44 @@ class PlantSimulator(ManagedShell):
         """As `Shell` says."""
         if not self.active:
             return Health("not active")
-        rig = self._rig
-        counts = (self._tick, self._missed, rig.clipped, rig.refused)
-        ticks, missed, clipped, refused = (
-            new - old for new, old in zip(counts, self._counted, strict=True)
+        new = self._new_counts()
+        rivals = not self._lockstep and self._rivals.look(
+            time.monotonic(), new["commands"] / max(new["samples"], 1)
         )
-        self._counted = counts
         values = {
             "clock": "lockstep" if self._lockstep else "wall",
-            "rate, Hz": (ticks - missed) / elapsed,
+            "rate, Hz": new["samples"] / elapsed,
+            "voltage, V": self._rig.voltage,
+            "rig's guard": "acting" if self._guard.acting else "ok",
+            "publishers of voltage_command": self._rivals.state,
+            **self._counted,
+        }
+        wrong = ""
+        if self._guard.silent and self._guard.heard:
+            wrong = "no voltage_command: the rig went to its safe voltage by itself"
+        elif new["times the rig's guard took over"]:
+            wrong = "the rig's guard took over for a while"
+        elif rivals:
+            wrong = f"voltage_command has {self._rivals.state}"
+        elif new["commands not finite"] or new["commands out of range"]:
+            wrong = "voltage commands refused or out of range"
+        elif new["missed ticks"] > WORST_MISSED * (new["samples"] + new["missed ticks"]):
+            wrong = "ticks missed: the machine is too slow"
+        return Health(wrong, Level.WARN, values) if wrong else Health(values=values)
+
+    def _new_counts(self) -> dict[str, int]:
+        """What was counted since the last call."""
+        counts = {
             "samples": self._tick - self._missed,
             "missed ticks": self._missed,
-            "commands out of range": rig.clipped,
-            "commands not finite": rig.refused,
+            "commands": self._commanded,
+            "commands out of range": self._rig.clipped,
+            "commands not finite": self._rig.refused,
+            "times the rig's guard took over": self._guard.takeovers,
         }
-        if refused or clipped:
-            return Health("voltage commands refused or out of range", Level.WARN, values)
-        if missed > WORST_MISSED * ticks:
-            return Health("ticks missed: the machine is too slow", Level.WARN, values)
-        return Health(values=values)
+        new = {name: count - self._counted.get(name, 0) for name, count in counts.items()}
+        self._counted = counts
+        return new
 
     def _value(self, name: str) -> Any:  # noqa: ANN401 (of any type)
         return self.get_parameter(name).value

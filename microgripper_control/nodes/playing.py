@@ -12,7 +12,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
 from microgripper_control.core.errors import MicrogripperError
-from microgripper_control.nodes import topics
+from microgripper_control.nodes import qos, topics
 from microgripper_control.nodes.pacing import SampleNumber
 from microgripper_control.nodes.shell import POLL
 from microgripper_control.recordings.bag import Bag
@@ -53,7 +53,7 @@ class AsRecorded:
         chosen = [present[name] for name in wanted] or list(present.values())
         self._by_name = {
             topic.name: node.create_publisher(
-                topics.type_named(topic.type), topic.name, topics.quality(topics.KEPT)
+                topics.type_named(topic.type), topic.name, qos.quality(qos.KEPT)
             )
             for topic in chosen
         }

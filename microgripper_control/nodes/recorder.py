@@ -23,7 +23,7 @@ from rclpy.qos import ReliabilityPolicy
 from rclpy.subscription import Subscription
 
 from microgripper_control.core.errors import MicrogripperError
-from microgripper_control.nodes import topics
+from microgripper_control.nodes import qos, topics
 from microgripper_control.nodes.health import Health, Level
 from microgripper_control.nodes.parameters import declare_text, declare_texts
 from microgripper_control.nodes.shell import Shell, run
@@ -102,7 +102,7 @@ class Recorder(Shell):
         for topic, subscription in self._taken.items():
             handle = subscription.handle
             with handle:
-                for _ in range(topics.KEPT):  # so that it ends even if they come faster
+                for _ in range(qos.KEPT):  # so that it ends even if they come faster
                     taken = handle.take_message(subscription.msg_type, True)
                     if taken is None:
                         break
@@ -161,7 +161,7 @@ class Recorder(Shell):
 
     def _subscribe(self, topic: str, *, reliable: bool) -> None:
         kind = topics.type_named(self._kinds[topic])
-        quality = topics.quality(topics.KEPT, reliable=reliable)
+        quality = qos.quality(qos.KEPT, reliable=reliable)
         self._taken[topic] = self.create_subscription(kind, topic, _never_called, quality, raw=True)
 
     def _summary(self) -> str:

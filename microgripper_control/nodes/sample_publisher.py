@@ -7,7 +7,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
-from microgripper_control.nodes import topics
+from microgripper_control.nodes import qos, topics
 from microgripper_control.plant.rig import Rig
 
 
@@ -18,7 +18,7 @@ class SamplePublisher:
         self._node = node
         self.states = topics.publish_on(node, topics.JOINT_STATES)
         self._displacements = topics.publish_on(node, topics.DISPLACEMENT)
-        self._clock = node.create_publisher(Clock, "/clock", topics.quality(1))
+        self._clock = node.create_publisher(Clock, "/clock", qos.quality(1))
         self._state = JointState(name=[topics.JOINT], position=[0.0], velocity=[0.0], effort=[0.0])
         self._displacement = Float64()
         self._time = Clock()

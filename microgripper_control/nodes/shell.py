@@ -16,7 +16,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import FrameType
 from typing import NoReturn
@@ -32,6 +32,7 @@ from rclpy.utilities import try_shutdown
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.nodes.health import PERIOD, Health, Reporter
 from microgripper_control.nodes.parameters import accept_whole_numbers
+from microgripper_control.nodes.qos import events_of
 from microgripper_control.nodes.topics import NAMESPACE
 
 try:
@@ -98,7 +99,9 @@ class Shell(Node):
         elapsed = now - self._reported
         if elapsed >= PERIOD:
             self._reported = now
-            self._reporter.report(self.health(elapsed))
+            health = self.health(elapsed)
+            events = {f"{what}, says the middleware": n for what, n in events_of(self).items()}
+            self._reporter.report(replace(health, values={**health.values, **events}))
 
 
 def run(make: Callable[[], Shell], args: list[str] | None = None) -> NoReturn:

@@ -1,11 +1,6 @@
-"""The topics: names, types and quality of service.
+"""The topics: names, types, publishers and subscriptions.
 
-All are relative to the node's namespace. Publishers and subscriptions are reliable and keep the
-last messages, the publishers, the recorder and the diagnoser 5000 of them, the control loop one:
-the newest sample is what counts there, while who records and was held up by the scheduler for
-seconds still gets everything. In lockstep a message that is lost ends the run, so there best effort
-will not do. History, depth and reliability can be overridden by the standard `qos_overrides`
-parameters.
+All are relative to the node's namespace. Their quality of service is that of `qos`.
 """
 
 from __future__ import annotations
@@ -20,13 +15,12 @@ from typing import Any, cast
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
-from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
 from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.nodes import qos
 
 NAMESPACE = "microgripper"
 JOINT = "finger"
@@ -51,14 +45,8 @@ TYPES: dict[str, type] = {
     NOISE_FLOOR: Float64,
 }
 TYPE_NAME = re.compile(r"([a-z][a-z0-9_]*)/msg/([A-Z][A-Za-z0-9]*)")
-KEPT = 5000  # messages
+DEADLINES = {JOINT_STATES: 0.1, VOLTAGE_COMMAND: 0.1}  # s, offered; the samples' guards are faster
 DELIVERY_TIMEOUT = 4.0  # s
-
-
-def quality(depth: int, *, reliable: bool = True) -> QoSProfile:
-    """A new profile: rclpy writes the user's overrides into the one it is given."""
-    reliability = ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT
-    return QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=depth, reliability=reliability)
 
 
 def publish_on(node: Node, topic: str) -> Publisher:
@@ -66,8 +54,9 @@ def publish_on(node: Node, topic: str) -> Publisher:
     return node.create_publisher(
         TYPES[topic],
         topic,
-        quality(KEPT),
-        qos_overriding_options=QoSOverridingOptions.with_default_policies(),
+        qos.offer(DEADLINES.get(topic)),
+        event_callbacks=qos.publisher_events(node, topic),
+        qos_overriding_options=qos.overridable(),
     )
 
 
@@ -96,7 +85,7 @@ class Newest:
         """Whether it is subscribed."""
         return self._subscription is not None
 
-    def open(self, *, if_published: bool = False) -> None:
+    def open(self, *, if_published: bool = False, reliable: bool = True) -> None:
         """Subscribe if that was not done; with `if_published` only where there is a publisher.
 
         A publisher that counts a subscription made in this order can rely on it: the subscriber
@@ -108,8 +97,9 @@ class Newest:
             TYPES[self._topic],
             self._topic,
             self._callback,
-            quality(1),
-            qos_overriding_options=QoSOverridingOptions.with_default_policies(),
+            qos.quality(1, reliable=reliable),
+            event_callbacks=qos.subscription_events(self._node, self._topic),
+            qos_overriding_options=qos.overridable(),
         )
 
     def close(self) -> None:
@@ -131,8 +121,9 @@ class Batches:
             TYPES[topic],
             topic,
             _never_called,
-            quality(KEPT),
-            qos_overriding_options=QoSOverridingOptions.with_default_policies(),
+            qos.quality(qos.KEPT),
+            event_callbacks=qos.subscription_events(node, topic),
+            qos_overriding_options=qos.overridable(),
         )
 
     def take(self) -> Iterator[Any]:
@@ -142,7 +133,7 @@ class Batches:
         """
         handle, kind = self.subscription.handle, self.subscription.msg_type
         with handle:
-            for _ in range(KEPT):
+            for _ in range(qos.KEPT):
                 taken = handle.take_message(kind, False)
                 if taken is None:
                     return
@@ -165,9 +156,14 @@ def type_named(name: str) -> type:
 
 
 def finger(message: JointState) -> tuple[float, float]:
-    """Displacement, m, and voltage, V, in a message of joint_states; NaN where it has none."""
+    """Displacement, m, and voltage, V, in a message of joint_states; NaN where it has none.
+
+    Only the joint `finger` counts, or the first where the message names none at all.
+    """
     names = message.name
-    at = names.index(JOINT) if JOINT in names else 0
+    if names and JOINT not in names:
+        return math.nan, math.nan
+    at = names.index(JOINT) if names else 0
     position, effort = message.position, message.effort
     return (
         position[at] if at < len(position) else math.nan,

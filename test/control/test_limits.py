@@ -101,3 +101,25 @@ def test_limits_that_contradict_each_other_are_named(
 ) -> None:
     with pytest.raises(MicrogripperError, match=message):
         VoltageLimits(**values)
+
+
+@given(guards(), voltages, anything, st.floats(0.0, 2.0))
+def test_voltages_that_come_too_fast_keep_the_rate_in_time(
+    guard: VoltageGuard, reported: float, command: float, share: float
+) -> None:
+    before = guard.start(reported)
+    guard.passed(share * T)
+    answer = guard.step(command)
+    assert abs(answer - before) <= guard.limits.rate * min(share, 1.0) * T + ROUNDING
+
+
+@given(guards(), voltages, st.floats(-1e6, 1e6), st.floats(0.0, 1.0))
+def test_beginning_again_the_rate_comes_before_what_is_reported(
+    guard: VoltageGuard, first: float, again: float, elapsed: float
+) -> None:
+    before = guard.start(first)
+    answer = guard.start(again, elapsed)
+    assert guard.limits.low <= answer <= guard.limits.high
+    assert abs(answer - before) <= guard.limits.rate * elapsed + ROUNDING
+    if abs(guard.limits.clip(again) - before) < guard.limits.rate * elapsed - ROUNDING:
+        assert answer == guard.limits.clip(again)

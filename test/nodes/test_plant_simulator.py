@@ -31,7 +31,7 @@ def stamps(samples: list[Any]) -> np.ndarray:
 def test_wall_time(start: Start, watcher: Watcher) -> None:
     samples = watcher.messages(JointState, "joint_states")
     displacements = watcher.messages(Float64, "displacement")
-    plant = start("plant_simulator", noise_std=0)
+    plant = start("plant_simulator", noise_std=0, command_timeout=0)
     commands = watcher.publisher(Float64, "voltage_command")
 
     # A command is latched at the next tick and held; the displacement answers one tick later.
