@@ -60,7 +60,8 @@ class SqliteFile:
                     rows.extend(islice(cursor, ROWS_AT_ONCE))
                 finally:  # what comes before an error is good
                     if rows:
-                        yield Block.of(topic, [row[0] for row in rows], [row[1] for row in rows])
+                        received, messages = zip(*rows, strict=True)
+                        yield Block.of(topic, received, messages)
                 if not rows:
                     return
         except (sqlite3.Error, TypeError, OverflowError):  # not a number, too large for one
