@@ -9,7 +9,6 @@ from __future__ import annotations
 import enum
 
 import numpy as np
-from scipy.signal import resample
 
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.signals import HYSTERESIS, POSITION, ROWS, VOLTAGE, Array, Timing
@@ -146,6 +145,8 @@ def _bandlimited(voltage: Array, periodic: bool) -> Array:
     A recording that is not periodic is continued beyond its ends by point reflection, which keeps
     value and slope, so that nothing rings there.
     """
+    from scipy.signal import resample  # takes 0.4 s to import: not for a node
+
     if periodic:
         fine = resample(voltage[:-1], (len(voltage) - 1) * BANDLIMITED_DIVISIONS)
         return np.append(fine, fine[:1])
