@@ -88,7 +88,7 @@ def _loop(identified: Identified, gains: PidGains, sample_period: float) -> tupl
     late = np.array([1.0, 0.0])
     above = np.polymul(controller, plant)
     below = np.polymul(np.polymul(np.polymul(integrated, filtered), late), plant_poles)
-    return above, below
+    return np.asarray(above, np.float64), np.asarray(below, np.float64)
 
 
 def _sampled_mechanics(v: Identified, sample_period: float) -> tuple[Array, Array]:

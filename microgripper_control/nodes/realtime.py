@@ -17,13 +17,14 @@ HIGHEST = 98  # one below the kernel's own
 def go_first(priority: int) -> str | None:
     """Put all threads of this process, the middleware's too, under SCHED_FIFO.
 
-    Returns why that was not done, or None.
+    Processes that it starts later are scheduled as usual. Returns why it was not done, or None.
     """
     if not hasattr(os, "sched_setscheduler"):
         return "this system has no SCHED_FIFO"
+    policy = os.SCHED_FIFO | os.SCHED_RESET_ON_FORK
     try:
         for thread in THREADS.iterdir():
-            os.sched_setscheduler(int(thread.name), os.SCHED_FIFO, os.sched_param(priority))
+            os.sched_setscheduler(int(thread.name), policy, os.sched_param(priority))
     except OSError as error:
         return f"{error.strerror}; see the limit rtprio"
     return None
