@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,11 +13,12 @@ import numpy as np
 
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.signals import Array
-from microgripper_control.demo.processes import Nodes
+from microgripper_control.demo.processes import POLL, Node, Nodes
 
 OURS, BARE = ("controller", "timed_plant"), ("bare_echo", "bare_clock")
 SETTLING = 1.0  # s after the first answer that does not count: both have just begun
 STARTING = 60.0  # s
+READY = "ready"  # what a node logs when it is
 
 
 @dataclass(frozen=True)
@@ -34,7 +36,7 @@ class Trips:
         A sample's round trip ends with the first answer after it: with an answer that is later than
         the next sample, that one's is too short, and the longer one counts all the same.
         """
-        if not len(answered) or answered[-1] - answered[0] < 2.0 * SETTLING:
+        if not len(answered) or answered[-1] - answered[0] < 1.5 * SETTLING:
             raise MicrogripperError("bench: the samples of a loop were not answered")
         counted = (sent > answered[0] + SETTLING) & (sent < answered[-1] - 0.1 * SETTLING)
         sent = sent[counted]
@@ -60,11 +62,21 @@ def run_loop(
     check_ros()
     out = folder / "round_trips.npz"
     answering, sending = pair
-    length = duration + 1.5 * SETTLING
+    length = duration + 3.0 * SETTLING
     with Nodes(folder / "log") as nodes:
         own: dict[str, Any] = {"sample_rate": rate} if pair is OURS else {}
-        nodes.start(answering, **own, **settings)
+        _await_ready(nodes.start(answering, **own, **settings))
         sender = nodes.start(sending, out=out, duration=length, sample_rate=rate, **settings)
         nodes.wait_for(sender, STARTING + 3.0 * length)
     with np.load(out) as times:
         return Trips.of(times["sent"], times["answered"], 1.0 / rate)
+
+
+def _await_ready(node: Node) -> None:
+    """Wait until a node says so; MicrogripperError if it ends or does not."""
+    end = time.monotonic() + STARTING
+    while READY not in node.log.read_text(encoding="utf-8", errors="replace"):
+        node.check()
+        if time.monotonic() > end:
+            raise MicrogripperError(f"bench: node {node.name} was not ready in {STARTING:g} s")
+        time.sleep(POLL)

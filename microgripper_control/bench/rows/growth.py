@@ -51,9 +51,10 @@ def measure(effort: Effort) -> Measured:
         _memory("reading an MCAP, at its peak", read),
     ]
     notes = (
-        "Exponents are of times from the smallest size to the largest; each diagnosis and each "
-        f"fit starts from a model 10 % off. The recordings have {SHORT} samples, each with an "
-        f"initial state of its own; effects are tried on one of {TRIED} samples.",
+        "Exponents are those between the two largest sizes, where overheads no longer hide the "
+        "growth. Each diagnosis and each fit starts from a model 10 % off. The recordings have "
+        f"{SHORT} samples, each with an initial state of its own; effects are tried on one of "
+        f"{TRIED} samples.",
     )
     lines = [line for line, _ in found] + memory
     return Measured(tuple(lines), notes, tuple(curve for _, curve in found))
@@ -67,7 +68,8 @@ def _growth(effort: Effort, name: str, of: str, calls: Calls) -> tuple[Line, Cur
     costs = np.array([times.rounds[name] for name in contestants])
     sizes = tuple(float(size) for size in calls)
     what = f"{name}, {sizes[0]:g} to {sizes[-1]:g} {of}"
-    line = Line(what, "time ~ size^p", exponent(sizes, costs), "p", LINEAR)
+    last = exponent(sizes[-2:], costs[-2:])
+    line = Line(what, f"time ~ size^p, from {sizes[-2]:g} on", last, "p", LINEAR)
     medians = tuple(float(cost) for cost in np.median(costs, axis=1))
     return line, Curve(name, of, sizes, medians, "s")
 

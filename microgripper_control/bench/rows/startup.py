@@ -8,7 +8,7 @@ import time
 
 import numpy as np
 
-from microgripper_control.bench.loops import check_ros
+from microgripper_control.bench.loops import READY, check_ros
 from microgripper_control.bench.row import Effort, Line, Measured, Row, at_most
 from microgripper_control.bench.timing import Spread
 from microgripper_control.core.errors import MicrogripperError
@@ -21,7 +21,6 @@ rclpy.init()
 node = rclpy.create_node("bare")
 node.get_logger().info("ready")
 """
-READY = b"ready"
 PATIENCE = 30.0  # s
 ONE_SECOND = at_most(1.0)
 
@@ -72,7 +71,7 @@ def until_ready(words: list[str], env: dict[str, str], effort: Effort) -> float:
     assert process.stderr is not None
     try:
         for line in process.stderr:
-            if READY in line:
+            if READY in line.decode(errors="replace"):
                 return time.monotonic() - began
         raise MicrogripperError(f"bench: {words[1]} ended before it was ready")
     finally:
