@@ -82,9 +82,17 @@ def show(found: Bench, console: Console) -> None:
 
 @contextmanager
 def _progress() -> Iterator[Callable[[str], None]]:
-    """A line on standard error that says what is measured."""
+    """What is measured, on standard error; line by line where that is no terminal."""
     console = Console(stderr=True)
     columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
-    with Progress(*columns, console=console, transient=True) as bar:
+    with Progress(
+        *columns, console=console, transient=True, disable=not console.is_terminal
+    ) as bar:
         task = bar.add_task("")
-        yield lambda what: bar.update(task, description=what)
+
+        def tell(what: str) -> None:
+            bar.update(task, description=what)
+            if not console.is_terminal:
+                typer.echo(what, err=True)
+
+        yield tell
