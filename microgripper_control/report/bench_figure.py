@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import cycle
 from pathlib import Path
 
 from matplotlib.axes import Axes
@@ -14,6 +15,7 @@ from microgripper_control.report.figures import MEASURED, SIMULATED, figure, lab
 LINE_HEIGHT = 0.22  # inch
 WIDTH = 11.0  # inch
 MANY, FEW = 1e3, 1e-3  # times better or worse than asked for: drawn no farther out
+MARKERS = "os^Dvx"  # as curves share colours
 LONGEST = 66  # characters
 
 
@@ -24,7 +26,7 @@ def draw_bench(path: Path, bench: Bench) -> None:
     height = 1.0 + LINE_HEIGHT * max(len(lines), 12)
     with figure(path, (WIDTH, height)) as drawn:
         if curves:
-            left, right = drawn.subplots(1, 2, width_ratios=(2.2, 1.0))
+            left, right = drawn.subplots(1, 2, width_ratios=(1.4, 1.0))
             _draw_growth(right, curves)
         else:
             left = drawn.subplots()
@@ -43,8 +45,9 @@ def _draw_goals(axes: Axes, lines: tuple[Line, ...]) -> None:
     places = range(len(lines))
     margins = [margin(line) for line in lines]
     colours = [MEASURED if line.outcome == MET else SIMULATED for line in lines]
+    axes.set_axisbelow(True)
     axes.hlines(places, 1.0, margins, colors=colours, linewidth=3.0)
-    axes.scatter(margins, places, color=colours, s=18)
+    axes.scatter(margins, places, color=colours, s=18, zorder=3.0)
     axes.axvline(1.0, color="black", linewidth=1.0)
     axes.set_xscale("log")
     names = [f"{_short(line)}: {figure_text(line).split(' [')[0]}" for line in lines]
@@ -59,14 +62,14 @@ def _short(line: Line) -> str:
 
 
 def _draw_growth(axes: Axes, curves: list[Curve]) -> None:
-    for curve in curves:
+    for curve, marker in zip(curves, cycle(MARKERS), strict=False):
         first = curve.y[0] / curve.x[0]
         costs = [y / x / first for x, y in zip(curve.x, curve.y, strict=True)]
         sizes = [x / curve.x[0] for x in curve.x]
-        axes.plot(sizes, costs, marker="o", markersize=3, label=f"{curve.name}, {curve.of}")
+        axes.plot(sizes, costs, marker=marker, markersize=4, label=f"{curve.name}, {curve.of}")
     axes.set_xscale("log")
     axes.set_yscale("log")
     low, high = axes.get_ylim()
     axes.set_ylim(min(low, 0.01), max(high, 10.0))
-    axes.legend(fontsize=7, loc="upper right")
+    axes.legend(fontsize=7, loc="lower right")
     label(axes, "size, times the smallest", "cost for each, times that at the smallest", "Growth")

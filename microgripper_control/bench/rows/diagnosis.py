@@ -27,10 +27,9 @@ PACES = (1.0, 3.7)  # of the two recordings' voltages
 
 def measure(effort: Effort) -> Measured:
     """As `Row` says."""
-    samples = effort.among(rig.SAMPLES, rig.SAMPLES // 4)
     rig_with_gap = nominal_model().with_link(PLANTED)
     recordings = [
-        rig.recording(rig_with_gap, samples, seed, pace) for seed, pace in enumerate(PACES)
+        rig.recording(rig_with_gap, seed=seed, pace=pace) for seed, pace in enumerate(PACES)
     ]
     believed = rig.mistuned(nominal_model())
     recorded = sum(recording.duration for recording in recordings)
