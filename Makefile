@@ -1,5 +1,6 @@
 # make demo   the gripper, simulated, controlled, recorded and identified; results in out/demo
 # make paper  every table and figure of the paper, recomputed; results in out/paper
+# make bench  how fast it is, about 12 minutes; results in out/bench and docs/performance.md
 # make test   style, types and all tests
 # make chaos  a million hostile messages, hundreds of dead nodes, a bad network, overload; ten minutes
 # make soak   half an hour in lockstep: memory and latency stay where they are
@@ -21,13 +22,17 @@ endif
 BIN := $(VENV)/bin
 INSTALLED := $(VENV)/installed
 
-.PHONY: demo paper test chaos soak install clean
+.PHONY: demo paper bench test chaos soak install clean
 
 demo: install
 	$(BIN)/microgripper demo --out out/demo
 
 paper: install
 	$(BIN)/microgripper paper --out out/paper
+
+bench: install
+	$(BIN)/microgripper bench --out out/bench
+	cp out/bench/performance.md out/bench/performance.png docs/
 
 test: install
 	$(BIN)/ruff check

@@ -68,7 +68,7 @@ setup(
     author="microgripper_control authors",
     license="Apache-2.0",
     packages=find_packages(include=[NAME, f"{NAME}.*"]),
-    package_data={NAME: ["py.typed", "report/assets/*"]},
+    package_data={NAME: ["py.typed", "bench/rivals/*.c", "report/assets/*"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),

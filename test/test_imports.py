@@ -26,6 +26,7 @@ ROOMS: dict[str, set[str]] = {
     "validation": {"core"},  # a rig of its own: it shares nothing with what it checks
 }
 ROOMS["examination"] = {*ROOMS}
+ROOMS["bench"] = {*ROOMS}
 ROOMS["report"] = {*ROOMS}
 ROOMS["nodes"] = {*ROOMS}
 ROOMS["cli"] = {*ROOMS} - {"nodes"}

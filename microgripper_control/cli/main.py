@@ -6,6 +6,7 @@ import sys
 
 import typer
 
+from microgripper_control.cli.bench import bench
 from microgripper_control.cli.demo import demo
 from microgripper_control.cli.diagnose import diagnose, spread_heldout
 from microgripper_control.cli.identify import identify
@@ -22,7 +23,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (identify, simulate, diagnose, validate, stiffness, repair, paper, demo):
+for command in (identify, simulate, diagnose, validate, stiffness, repair, paper, demo, bench):
     app.command(no_args_is_help=command is not demo)(command)
 
 

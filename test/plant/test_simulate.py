@@ -217,3 +217,18 @@ def test_a_period_may_begin_anywhere(paper: Model) -> None:
 def test_a_bad_voltage_is_refused(paper: Model, voltage: Array) -> None:
     with pytest.raises(MicrogripperError, match="two finite samples in one row"):
         simulate(paper, voltage, PERIOD)
+
+
+@pytest.mark.parametrize("hold", Hold)
+@pytest.mark.parametrize("initial", [Initial.REST, Initial.FIRST_SAMPLE])
+@pytest.mark.parametrize("links", [(), ("transport_delay", "friction", "sensor_lag")])
+def test_blocks_do_not_show(
+    monkeypatch: pytest.MonkeyPatch, hold: Hold, initial: Initial, links: tuple[str, ...]
+) -> None:
+    model = nominal_model()
+    for name in links:
+        model = model.with_link(name)
+    whole = simulate(model, FAST, PERIOD, hold=hold, initial=initial)
+    monkeypatch.setattr("microgripper_control.plant.simulate.BLOCK", 7)
+    parts = simulate(model, FAST, PERIOD, hold=hold, initial=initial)
+    np.testing.assert_allclose(parts, whole, rtol=1e-12, atol=1e-18)

@@ -1,0 +1,82 @@
+"""Runs of two processes that answer each other over DDS, and what their times say."""
+
+from __future__ import annotations
+
+import importlib.util
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.signals import Array
+from microgripper_control.demo.processes import POLL, Node, Nodes
+
+OURS, BARE = ("controller", "timed_plant"), ("bare_echo", "bare_clock")
+SETTLING = 1.0  # s after the first answer that does not count: both have just begun
+STARTING = 60.0  # s
+READY = "ready"  # what a node logs when it is
+
+
+@dataclass(frozen=True)
+class Trips:
+    """One run: round trips, s, and the periods from sample to sample, s."""
+
+    round_trips: Array
+    periods: Array
+    missed: float  # share of the ticks
+
+    @classmethod
+    def of(cls, sent: Array, answered: Array, period: float) -> Trips:
+        """Of the times at which samples went out and answers came, s.
+
+        A sample's round trip ends with the first answer after it: with an answer that is later than
+        the next sample, that one's is too short, and the longer one counts all the same.
+        """
+        if not len(answered) or answered[-1] - answered[0] < 1.5 * SETTLING:
+            raise MicrogripperError("bench: the samples of a loop were not answered")
+        counted = (sent > answered[0] + SETTLING) & (sent < answered[-1] - 0.1 * SETTLING)
+        sent = sent[counted]
+        periods = np.diff(sent)
+        ticks = round(float(sent[-1] - sent[0]) / period) + 1
+        round_trips = answered[np.searchsorted(answered, sent)] - sent
+        return cls(round_trips, periods, max(0.0, 1.0 - len(sent) / ticks))
+
+
+def check_ros() -> None:
+    """MicrogripperError where there is no ROS 2."""
+    if importlib.util.find_spec("rclpy") is None:
+        raise MicrogripperError("ROS 2 is not there")
+
+
+def run_loop(
+    folder: Path, pair: tuple[str, str], duration: float, rate: float, settings: Mapping[str, Any]
+) -> Trips:
+    """Let a pair of nodes answer each other for `duration`, s, at `rate`, Hz.
+
+    `settings` are parameters of both.
+    """
+    check_ros()
+    out = folder / "round_trips.npz"
+    answering, sending = pair
+    length = duration + 3.0 * SETTLING
+    with Nodes(folder / "log") as nodes:
+        own: dict[str, Any] = {"sample_rate": rate} if pair is OURS else {}
+        _await_ready(nodes.start(answering, **own, **settings))
+        sender = nodes.start(sending, out=out, duration=length, sample_rate=rate, **settings)
+        nodes.wait_for(sender, STARTING + 3.0 * length)
+    with np.load(out) as times:
+        return Trips.of(times["sent"], times["answered"], 1.0 / rate)
+
+
+def _await_ready(node: Node) -> None:
+    """Wait until a node says so; MicrogripperError if it ends or does not."""
+    end = time.monotonic() + STARTING
+    while READY not in node.log.read_text(encoding="utf-8", errors="replace"):
+        node.check()
+        if time.monotonic() > end:
+            raise MicrogripperError(f"bench: node {node.name} was not ready in {STARTING:g} s")
+        time.sleep(POLL)

@@ -1,0 +1,51 @@
+/* The nominal chain by hand: the arithmetic of bouc_wen.py (n = 1) and second_order.py, in one loop.
+ *
+ * voltage[n], V, held from sample to sample; displacement[n], m, from rest. p holds d, alpha d,
+ * beta, gamma; step the exact map of the mechanics over a sample period, as second_order.py has it.
+ */
+#include <math.h>
+#include <stddef.h>
+
+static inline double relax(double g, double a, double c, double xi)
+{
+    double x = c * xi, share;
+    if (fabs(x) < 0.2) {
+        double y = x * x;
+        share = (1.0 + y * (1.0 / 42))
+              / (1.0 + x * (1.0 / 2) + y * (3.0 / 28 + x * (1.0 / 84) + y * (1.0 / 1680)));
+    } else {
+        share = -expm1(-x) / x;
+    }
+    return g + (a - c * g) * xi * share;
+}
+
+static inline double advance(double h, double du, double a, double beta, double gamma)
+{
+    if (du == 0.0)
+        return h;
+    double sign = du > 0.0 ? 1.0 : -1.0, xi = fabs(du), g = sign * h, c = beta - gamma;
+    if (g < 0.0) {
+        double next = relax(g, a, c, xi);
+        if (next <= 0.0)
+            return sign * next;
+        xi -= fabs(c * g) < 1e-12 * a ? -g / a : log1p(-c * g / a) / c;
+        g = 0.0;
+    }
+    return sign * relax(g, a, beta + gamma, xi);
+}
+
+void chain(const double *p, const double *step, const double *voltage, double *displacement,
+           size_t n)
+{
+    double u = 0.0, h = 0.0, x = 0.0, v = 0.0, w = 0.0;
+    for (size_t k = 0; k < n; k++) {
+        displacement[k] = x;
+        h = advance(h, voltage[k] - u, p[1], p[2], p[3]);
+        u = voltage[k];
+        double next = p[0] * u - h;
+        double moved = step[0] * x + step[1] * v + step[4] * w + step[6] * next;
+        v = step[2] * x + step[3] * v + step[5] * w + step[7] * next;
+        x = moved;
+        w = next;
+    }
+}

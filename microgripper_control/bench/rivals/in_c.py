@@ -1,0 +1,47 @@
+"""The nominal chain hand-written in C, compiled on the spot."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+
+from microgripper_control.core.signals import Array
+
+SOURCE = Path(__file__).with_name("chain.c")
+OPTIONS = ("-O3", "-shared", "-fPIC")
+NUMBERS = ctypes.POINTER(ctypes.c_double)
+
+
+def compiler() -> str | None:
+    """The C compiler of this machine, `CC` if that is set; None if there is none."""
+    return shutil.which(os.environ.get("CC", "cc")) or shutil.which("gcc")
+
+
+class ChainInC:
+    """The nominal chain for one time grid; compiled into `folder` with `compiler()`.
+
+    `parameters` are d, alpha d, beta, gamma; `step` the exact map of the mechanics, shape (8,).
+    """
+
+    def __init__(
+        self, folder: Path, cc: str, parameters: Array, step: Array, options: tuple[str, ...] = ()
+    ) -> None:
+        library = folder / f"chain{''.join(options)}.so"
+        command = [cc, *OPTIONS, *options, "-o", str(library), str(SOURCE), "-lm"]
+        subprocess.run(command, check=True, capture_output=True)
+        self._chain = ctypes.CDLL(str(library)).chain
+        self._chain.argtypes = [NUMBERS] * 4 + [ctypes.c_size_t]
+        self._chain.restype = None
+        self._given = [np.ascontiguousarray(part, dtype=float) for part in (parameters, step)]
+
+    def simulate(self, voltage: Array) -> Array:
+        """Displacement, m, shape (n,), for a voltage, V, held from sample to sample."""
+        displacement = np.empty_like(voltage)
+        blocks = (*self._given, voltage, displacement)
+        self._chain(*(block.ctypes.data_as(NUMBERS) for block in blocks), len(voltage))
+        return displacement

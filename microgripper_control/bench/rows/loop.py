@@ -1,0 +1,132 @@
+"""The loop over DDS in two processes, against a bare echo of the same messages."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from microgripper_control.bench.loops import BARE, OURS, Trips, run_loop
+from microgripper_control.bench.row import LONGER, Effort, Goal, Line, Measured, Row, at_most
+from microgripper_control.bench.timing import Spread
+
+CLOSE, FEW_MISSES = at_most(1.5), at_most(1e-3)
+PERCENT = at_most(100.0 * FEW_MISSES.limit)
+RATES = (1000.0, 1500.0, 2000.0, 2500.0, 3000.0, 4000.0, 5000.0, 6000.0)  # Hz
+USUAL = 1000.0  # Hz
+REALTIME = 20  # priority
+EVENTS, SINGLE = "events", "single_threaded"
+
+
+@dataclass
+class Runs:
+    """The runs of one way of scheduling, ours and the bare ones in turns."""
+
+    executor: str
+    priority: int
+    ours: list[Trips] = field(default_factory=list)
+    bare: list[Trips] = field(default_factory=list)
+
+    @property
+    def name(self) -> str:
+        """What tells it from the others."""
+        return f"{self.executor}{', real-time priority' if self.priority else ''}"
+
+    def add(self, effort: Effort, duration: float) -> None:
+        """One more turn."""
+        effort.progress(f"loop: {self.name}")
+        settings = {"executor": self.executor, "realtime_priority": self.priority}
+        for pair, runs in ((BARE, self.bare), (OURS, self.ours)):
+            runs.append(run_loop(effort.folder, pair, duration, USUAL, settings))
+
+    def compared(
+        self, what: str, figure: Callable[[Trips], float], goal: Goal | None = None
+    ) -> Line:
+        """Ours against the bare echo, turn by turn."""
+        ours, bare = (np.array([figure(run) for run in runs]) for runs in (self.ours, self.bare))
+        return Line(
+            f"{what}, {self.name}",
+            "a bare rclpy echo",
+            Spread.of(ours / bare),
+            LONGER,
+            goal if self.executor == EVENTS else None,
+            float(np.median(ours)),
+            float(np.median(bare)),
+        )
+
+    def misses(self) -> Line:
+        """The share of ticks that ours missed."""
+        missed, bare = ([run.missed for run in runs] for runs in (self.ours, self.bare))
+        against = f"the bare echo's publisher missed {np.median(bare):.3%}"
+        figure = Spread.of(100.0 * np.array(missed))
+        return Line(
+            f"ticks missed at 1 kHz, {self.name}",
+            against,
+            figure,
+            "%",
+            PERCENT if self.executor == EVENTS else None,
+        )
+
+
+def measure(effort: Effort) -> Measured:
+    """As `Row` says."""
+    duration = effort.among(8.0, 3.0)
+    ways = [Runs(EVENTS, 0), Runs(EVENTS, REALTIME), Runs(SINGLE, 0)]
+    for _ in range(effort.among(3, 1)):
+        for way in ways:
+            way.add(effort, duration)
+    lines = []
+    for way in ways:
+        lines += [
+            way.compared("round trip, median", lambda run: percentile(run, 50.0), CLOSE),
+            way.compared("round trip, 99th percentile", lambda run: percentile(run, 99.0), CLOSE),
+            way.compared("jitter of the period, 99th percentile", jitter),
+            way.misses(),
+        ]
+    highest = highest_rate(effort, effort.among(5.0, 3.0))
+    lines.append(
+        Line(
+            "highest rate with under 0.1 % misses, events, real-time priority",
+            f"tried up to {RATES[-1]:.0f} Hz",
+            Spread.single(highest),
+            "Hz",
+        )
+    )
+    return Measured(tuple(lines), (_NOTE,))
+
+
+def percentile(run: Trips, percent: float) -> float:
+    """Of the round trips, s."""
+    return float(np.percentile(run.round_trips, percent))
+
+
+def jitter(run: Trips) -> float:
+    """How far a period is off, s, 99th percentile."""
+    return float(np.percentile(np.abs(run.periods - np.median(run.periods)), 99.0))
+
+
+def highest_rate(effort: Effort, duration: float) -> float:
+    """The highest of the rates at which hardly a tick is missed, Hz, by bisection; 0 if none is."""
+    holds, fails = -1, len(RATES)
+    while fails - holds > 1:
+        middle = (holds + fails) // 2
+        effort.progress(f"loop at {RATES[middle]:.0f} Hz")
+        settings = {"executor": EVENTS, "realtime_priority": REALTIME}
+        run = run_loop(effort.folder, OURS, duration, RATES[middle], settings)
+        if FEW_MISSES.met(run.missed):
+            holds = middle
+        else:
+            fails = middle
+    return RATES[holds] if holds >= 0 else 0.0
+
+
+_NOTE = (
+    "Plant and controller (cascade) in two processes against two bare nodes that publish at the "
+    "same pace and answer at once, in turns. A round trip runs from before joint_states is "
+    "published until the voltage_command that answers it has come; the first second is left out. "
+    "The executor of the nodes was chosen by this row. The real-time priority is the parameter "
+    "realtime_priority, which asks Linux for SCHED_FIFO; it needs the permission."
+)
+
+ROW = Row("loop", "loop over DDS, two processes", measure)

@@ -1,0 +1,98 @@
+"""`microgripper bench`: how fast the package is on this machine."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.box import SIMPLE
+from rich.console import Console
+from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from microgripper_control.cli.options import JsonOption
+from microgripper_control.cli.stopping import sigterm_as_interrupt
+from microgripper_control.core.files import make_folder, written_whole
+
+if TYPE_CHECKING:
+    from microgripper_control.bench.run import Bench
+
+
+def bench(
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Where the results go.")],
+    only: Annotated[
+        list[str] | None,
+        typer.Option(metavar="ROW", help="Measure this row alone. May be repeated."),
+    ] = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Fewer rounds and smaller sizes: about 5 minutes.")
+    ] = False,
+    json_: JsonOption = False,
+) -> None:
+    """Measure how fast everything is beside other ways of doing the same; a table and a plot."""
+    # These import most of the package, and matplotlib: not for the other commands.
+    from microgripper_control.bench.document import as_csv, as_json, as_markdown
+    from microgripper_control.bench.row import Effort
+    from microgripper_control.bench.run import run
+    from microgripper_control.report.bench_figure import draw_bench
+
+    make_folder(out)
+    with sigterm_as_interrupt(), _progress() as progress:
+        found = run(Effort(out, quick, progress), only or ())
+    picture = out / "performance.png"
+    draw_bench(picture, found)
+    texts = {
+        "performance.md": as_markdown(found, picture.name),
+        "bench.csv": as_csv(found),
+        "bench.json": json.dumps(as_json(found), indent=1) + "\n",
+    }
+    for name, text in texts.items():
+        with written_whole(out / name) as file:
+            file.write(text)
+    if json_:
+        typer.echo(texts["bench.json"], nl=False)
+        return
+    show(found, Console(highlight=False, soft_wrap=True))
+    typer.echo(f"written: {picture}, {', '.join(texts)}")
+
+
+def show(found: Bench, console: Console) -> None:
+    """Print the table."""
+    from microgripper_control.bench.numbers import bound, figure
+    from microgripper_control.bench.run import ROWS
+
+    for name, measured in found.rows.items():
+        console.print(f"{ROWS[name].title} (--only {name})")
+        if measured.skipped:
+            console.print(f"  not measured: {measured.skipped}\n", markup=False)
+            continue
+        table = Table(box=SIMPLE, show_header=False)
+        for column in ("what", "figure", "goal"):
+            table.add_column(column, overflow="fold")
+        for line in measured.lines:
+            what = f"{line.what}, against {line.against}" if line.against else line.what
+            table.add_row(what, figure(line), f"{bound(line)}: {line.outcome}".strip(": "))
+        console.print(table)
+    console.print(f"{found.met} of {len(found.judged)} goals met")
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[str], None]]:
+    """What is measured, on standard error; line by line where that is no terminal."""
+    console = Console(stderr=True)
+    columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+    with Progress(
+        *columns, console=console, transient=True, disable=not console.is_terminal
+    ) as bar:
+        task = bar.add_task("")
+
+        def tell(what: str) -> None:
+            bar.update(task, description=what)
+            if not console.is_terminal:
+                typer.echo(what, err=True)
+
+        yield tell

@@ -1,0 +1,91 @@
+"""All ways of simulating and fitting that the benchmark compares do the same."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from microgripper_control.bench import rig
+from microgripper_control.bench.rivals import in_c
+from microgripper_control.bench.rivals.scripted import Script, numpy_loop
+from microgripper_control.bench.rivals.scripted_fit import (
+    KEYS,
+    compiled_model,
+    evolution_script,
+    least_squares_script,
+)
+from microgripper_control.bench.rows import simulation
+from microgripper_control.bench.rows.diagnosis import PLANTED, textbook
+from microgripper_control.identification.fit import fit
+from microgripper_control.identification.nuisance import Conditions
+from microgripper_control.plant.model import nominal_model
+from microgripper_control.plant.simulate import Initial, simulate
+
+ROUNDING = 1e-16  # m
+
+VOLTAGE = rig.voltage(2000)
+
+
+@pytest.fixture
+def script() -> Script:
+    return Script(rig.nominal_values(), VOLTAGE[:40], rig.SAMPLE_PERIOD)
+
+
+def test_c_gives_the_same_to_rounding(tmp_path: Path) -> None:
+    cc = in_c.compiler()
+    if cc is None:
+        pytest.skip("no C compiler")
+    chain = in_c.ChainInC(tmp_path, cc, simulation.bouc_wen_numbers(), rig.mechanics_step())
+    ours = simulate(nominal_model(), VOLTAGE, rig.SAMPLE_PERIOD)
+    np.testing.assert_allclose(chain.simulate(VOLTAGE), ours, rtol=0.0, atol=ROUNDING)
+
+
+def test_without_a_compiler_there_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", "")
+    assert in_c.compiler() is None
+
+
+def test_the_numpy_loop_gives_the_same_to_rounding() -> None:
+    ours = simulate(nominal_model(), VOLTAGE, rig.SAMPLE_PERIOD)
+    loop = numpy_loop(rig.nominal_values(), rig.mechanics_step(), VOLTAGE)
+    np.testing.assert_allclose(loop, ours, rtol=0.0, atol=10.0 * ROUNDING)
+
+
+@pytest.mark.parametrize("method", ["RK45", "BDF", "LSODA"])
+def test_solve_ivp_comes_to_the_same(script: Script, method: str) -> None:
+    off = np.max(np.abs(script.solve_ivp(method, 1e-8) - simulation.exact(script)))
+    assert off < 1e-11
+
+
+def test_odeint_comes_to_the_same(script: Script) -> None:
+    assert np.max(np.abs(script.odeint(1e-9) - simulation.exact(script))) < 1e-12
+
+
+def test_the_integrators_that_are_timed_are_accurate_enough(script: Script) -> None:
+    method, tolerance = simulation.choose_solve_ivp(script)
+    truth = simulation.exact(script)
+    assert np.max(np.abs(script.solve_ivp(method, tolerance) - truth)) <= simulation.ACCURACY
+    tolerance = simulation.choose_odeint(script)
+    assert np.max(np.abs(script.odeint(tolerance) - truth)) <= simulation.ACCURACY
+
+
+def test_all_fits_find_the_same() -> None:
+    model = nominal_model()
+    recording, start = rig.recording(model, samples=4000), rig.mistuned(model)
+    ours = fit(start, [recording], Conditions(initial=Initial.REST)).model
+    simulator = compiled_model(recording)
+    for script in (least_squares_script, evolution_script):
+        found = script(start, recording, simulator)
+        assert found.simulations > len(KEYS)
+        for key in KEYS:
+            interval = ours.settings[key[0]][key[1]].interval
+            assert interval is not None
+            width = interval[1] - interval[0]
+            assert abs(found.model.value(*key) - ours.value(*key)) < 0.5 * width
+
+
+def test_the_textbook_names_what_was_planted() -> None:
+    planted = nominal_model().with_link(PLANTED)
+    assert textbook(nominal_model(), [rig.recording(planted, samples=6000)]) == PLANTED

@@ -1,0 +1,34 @@
+"""Real-time scheduling is asked for, and refused with a remedy."""
+
+from __future__ import annotations
+
+import os
+
+import pytest
+
+from microgripper_control.nodes.realtime import go_first
+
+
+def test_all_threads_go_first_and_no_child(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: dict[int, tuple[int, int]] = {}
+
+    def note(thread: int, policy: int, given: os.sched_param) -> None:
+        asked[thread] = policy, given.sched_priority
+
+    monkeypatch.setattr("os.sched_setscheduler", note)
+    assert go_first(20) is None
+    assert os.getpid() in asked
+    assert set(asked.values()) == {(os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, 20)}
+
+
+def test_a_refusal_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(thread: int, policy: int, given: os.sched_param) -> None:
+        raise PermissionError(1, "Operation not permitted")
+
+    monkeypatch.setattr("os.sched_setscheduler", refuse)
+    assert go_first(20) == "Operation not permitted; see the limit rtprio"
+
+
+def test_elsewhere_there_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delattr("os.sched_setscheduler")
+    assert go_first(20) == "this system has no SCHED_FIFO"
