@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from microgripper_control.recordings.bag_recording import JOINT, JOINT_STATE
-from microgripper_control.recordings.mcap import CHANNEL, FOOTER, MAGIC, MESSAGE, SCHEMA
+from microgripper_control.recordings.mcap import MAGIC
+from microgripper_control.recordings.mcap_records import CHANNEL, FOOTER, MESSAGE, SCHEMA
 
 HEADER, DATA_END = 0x01, 0x0F
 AT_ONCE = 100_000  # messages
