@@ -48,12 +48,13 @@ def diagnose(
     nothing.
     """
     whole = Evidence.gather(recordings, heldout, conditions or Conditions(), nominal)
-    evidence = whole.lean()
-    before = nominal_trial(evidence, nominal)
-    refit = refit_trial(evidence, before)
+    lean = whole.lean()
+    before = nominal_trial(lean, nominal)
+    refit = refit_trial(lean, before)
     left_out = {*nominal.effects, *without}
     names = [name for name in candidate_names() if name not in left_out]
-    pool = explore(evidence, before, refit, names, progress, jobs)
+    pool = explore(lean, before, refit, names, progress, jobs)
+    evidence, refit = pool.evidence, pool.refit
     progress("where the gap lies", 0, 1)
     fitted, judging = residuals_of(evidence, refit.model)
     signs = signatures([*judging, *fitted], pool.noise_floor)
@@ -66,7 +67,7 @@ def diagnose(
         best = refine(evidence, pool.tried[frozenset(effects)], evaluations=20)
     model = nominal if verdict == NONE else identified(evidence, best)
     found = answer.candidates(weighed, pool, names, signs, model)
-    before, refit, best = (on_all(whole, evidence, trial) for trial in (before, refit, best))
+    before, refit, best = (on_all(whole, lean, trial) for trial in (before, refit, best))
     free_form = explainable(fitted, judging, pool.noise_floor)
     gap = _gap(whole, pool.noise_floor, before, refit, best, free_form)
     where = tuple(locate([*judging, *fitted], pool.noise_floor))

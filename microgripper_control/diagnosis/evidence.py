@@ -18,6 +18,7 @@ from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.scales import measure
+from microgripper_control.diagnosis.settling import settled
 from microgripper_control.effects.base import Scales
 from microgripper_control.identification.nuisance import (
     BLOCKS,
@@ -44,6 +45,7 @@ class Evidence:
     conditions: Conditions
     separate: bool  # whether the judged recordings are others than the fitted ones
     scales: Scales
+    remembers: bool  # whether the nominal model has a hysteresis
 
     @classmethod
     def gather(
@@ -66,11 +68,11 @@ class Evidence:
                     "moves"
                 )
         scales = measure(nominal, (*recordings, *heldout))
-        if heldout:
-            whole = tuple(np.ones(len(recording), bool) for recording in recordings)
-            return cls(tuple(recordings), whole, tuple(heldout), conditions, True, scales)
-        apart = tuple(_fitted_blocks(len(recording)) for recording in recordings)
-        return cls(tuple(recordings), apart, tuple(recordings), conditions, False, scales)
+        remembers = nominal.value("bouc_wen", "alpha") != 0.0
+        used = _used(recordings, bool(heldout))
+        fitted = tuple(recordings)
+        judged = tuple(heldout) or fitted
+        return cls(fitted, used, judged, conditions, bool(heldout), scales, remembers)
 
     def lean(self, most: int = MOST) -> Evidence:
         """Evidence of the same kind with about `most` samples to fit and as many that judge.
@@ -78,16 +80,23 @@ class Evidence:
         Of longer recordings stretches are kept, each as a recording of its own.
         """
         fitted = _thinned(self.fitted, most, self.separate)
-        if not self.separate:
-            if fitted is self.fitted:
-                return self
-            used = tuple(_fitted_blocks(len(recording)) for recording in fitted)
-            return replace(self, fitted=fitted, used=used, judged=fitted)
-        judged = _thinned(self.judged, most, True)
+        judged = _thinned(self.judged, most, True) if self.separate else fitted
         if fitted is self.fitted and judged is self.judged:
             return self
-        used = tuple(np.ones(len(recording), bool) for recording in fitted)
+        used = _used(fitted, self.separate)
         return replace(self, fitted=fitted, used=used, judged=judged)
+
+    def settled(self) -> Evidence:
+        """The same without what a hysteresis still owes to the time before each recording."""
+        if not self.remembers:
+            return self
+        masks = [
+            mask & settled(recording)
+            for mask, recording in zip(self.used, self.fitted, strict=True)
+        ]
+        if all(np.array_equal(mask, old) for mask, old in zip(masks, self.used, strict=True)):
+            return self
+        return replace(self, used=tuple(masks))
 
     def predictions(self, model: Model) -> list[tuple[Array, Mask]]:
         """Of each judged recording: the prediction, m, and the samples that judge."""
@@ -101,6 +110,13 @@ class Evidence:
                 self.judged, self.predictions(model), strict=True
             )
         ]
+
+
+def _used(recordings: Sequence[Recording], separate: bool) -> tuple[Mask, ...]:
+    """Of each recording the samples that are fitted."""
+    if separate:
+        return tuple(np.ones(len(recording), bool) for recording in recordings)
+    return tuple(_fitted_blocks(len(recording)) for recording in recordings)
 
 
 def _fitted_blocks(length: int) -> Mask:

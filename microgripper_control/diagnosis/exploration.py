@@ -13,6 +13,7 @@ import numpy as np
 
 from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.noise import innovation, removable
+from microgripper_control.diagnosis.part import is_dear, on_a_part
 from microgripper_control.diagnosis.schedule import side_by_side
 from microgripper_control.diagnosis.screening import guesses
 from microgripper_control.diagnosis.trial import (
@@ -36,8 +37,9 @@ UNCLOSED = 0.1  # if it is more of the gap than a law leaves that is right but n
 FAIR_PART = 0.12  # of the gap; two independent effects of one size close 0.3 of it each
 RIVAL = 0.7  # of what the best closes: what the second must close to be a leader as well
 REFINED = 4  # explanations of a round that are fitted on with all derivatives fresh,
-NEAR = 1.6  # if they leave less than so many times what the best leaves
-PART = 30_000  # samples that a force with a memory is first fitted to
+WORTH_POLISHING = 0.98  # of what was left before: the best of a round must do better,
+NEAR = 3.0  # if they leave less than so many times what the best leaves
+GLANCE = 6000  # samples on which it is seen what further forces promise
 ROUGH, POLISHED = 1e-3, 1e-5  # tolerances
 
 Progress = Callable[[str, int, int], None]  # what is being tried, how many are done, of how many
@@ -49,8 +51,9 @@ def silent(what: str, done: int, total: int) -> None:
 
 @dataclass
 class Pool:
-    """Everything that was tried on one set of evidence."""
+    """Everything that was tried, and the evidence the last fits were made on."""
 
+    evidence: Evidence
     nominal: Trial
     refit: Trial
     tried: dict[frozenset[str], Trial] = field(default_factory=dict)
@@ -71,6 +74,9 @@ class Pool:
     def add(self, trial: Trial) -> None:
         """Keep a trial unless a better one of the same effects is there."""
         effects = frozenset(trial.effects) - self.own
+        if not np.isfinite(trial.both):
+            self.failures["+".join(sorted(effects))] = "diverges on the samples that judge it"
+            return
         known = self.tried.get(effects)
         if effects and (known is None or trial.fitted_rmse < known.fitted_rmse):
             self.tried[effects] = trial
@@ -78,7 +84,7 @@ class Pool:
     def best(self, size: int, count: int) -> list[Trial]:
         """The explanations with `size` effects that leave the least, best first."""
         trials = [trial for effects, trial in self.tried.items() if len(effects) == size]
-        return sorted(trials, key=lambda trial: trial.rmse)[:count]
+        return sorted(trials, key=lambda trial: trial.both)[:count]
 
 
 def explore(
@@ -90,18 +96,20 @@ def explore(
     jobs: int = -1,
 ) -> Pool:
     """Try the candidates, alone and together, as far as there is anything to explain."""
-    pool = Pool(nominal, refit)
+    pool = Pool(evidence, nominal, refit)
     names = [name for name in candidates if name not in pool.own]
     fitted = [name for name in names if not is_chosen(name)]
     bases = [base_of(evidence, refit), base_of(evidence, nominal)]
     for trial in _round(evidence, bases, names, len(names), pool, progress, jobs):
         pool.add(trial)
+    pool = _settled(pool)
+    evidence = pool.evidence
     for size in range(1, MOST_EFFECTS):
         best = pool.best(size, 1)
         if not best or not _unexplained(best, pool) or not _worth_it(pool, size):
             break
         for leader in pool.best(size, BEAM):
-            dear = leader is not best[0] and any(_remembers(name) for name in leader.effects)
+            dear = leader is not best[0] and any(is_dear(name) for name in leader.effects)
             follower = _closed(leader, pool) < RIVAL * _closed(best[0], pool)
             if dear or follower or not _unexplained(pool.best(size + 1, 1) or best, pool):
                 continue
@@ -116,11 +124,29 @@ def explore(
     return pool
 
 
+def _settled(pool: Pool) -> Pool:
+    """The same on settled evidence; the first periods have chosen where the fits go on from."""
+    evidence = pool.evidence.settled()
+    if evidence is pool.evidence:
+        return pool
+    settled = Pool(
+        evidence,
+        unfitted(evidence, pool.nominal),
+        refine(evidence, pool.refit, ROUGH, 12),
+        failures=pool.failures,
+    )
+    leaders = pool.best(1, REFINED)
+    for trial in pool.tried.values():
+        fit_on = trial in leaders and not is_chosen(trial.effects[-1])
+        settled.add(polish(evidence, trial) if fit_on else unfitted(evidence, trial))
+    return settled
+
+
 def _unexplained(best: Sequence[Trial], pool: Pool) -> bool:
     """Whether the best explanation leaves more than a right law would."""
     floor = pool.noise_floor
-    rest = removable(best[0].rmse, floor)
-    return rest > max(UNEXPLAINED * floor, UNCLOSED * removable(pool.refit.rmse, floor))
+    rest = removable(best[0].both, floor)
+    return rest > max(UNEXPLAINED * floor, UNCLOSED * removable(pool.refit.both, floor))
 
 
 def _worth_it(pool: Pool, size: int) -> bool:
@@ -131,13 +157,13 @@ def _worth_it(pool: Pool, size: int) -> bool:
 
 def _closed(trial: Trial, pool: Pool) -> float:
     """The share of the gap, as an error, that an explanation closes."""
-    gap = removable(pool.refit.rmse, pool.noise_floor)
-    return 1.0 - removable(trial.rmse, pool.noise_floor) / gap if gap > 0.0 else 0.0
+    gap = removable(pool.refit.both, pool.noise_floor)
+    return 1.0 - removable(trial.both, pool.noise_floor) / gap if gap > 0.0 else 0.0
 
 
 def _check_backwards(evidence: Evidence, pool: Pool) -> None:
     """Try the best explanation without each of its effects."""
-    best = min([pool.refit, *pool.tried.values()], key=lambda trial: trial.rmse)
+    best = min([pool.refit, *pool.tried.values()], key=lambda trial: trial.both)
     added = [name for name in best.effects if name not in pool.own]
     if len(added) < 2:
         return
@@ -163,12 +189,6 @@ def is_chosen(name: str) -> bool:
     """Whether an effect is read off the recordings and not fitted: a sensor's grid."""
     link = registry()[name]
     return not link.random and not any(parameter.fitted for parameter in link.parameters)
-
-
-def _remembers(name: str) -> bool:
-    """Whether an effect is a force with a memory."""
-    force = registry()[name].force
-    return force is not None and force.states > 0
 
 
 def _behind(evidence: Evidence, trial: Trial, name: str) -> Trial:
@@ -202,7 +222,10 @@ def _round(
             pool.failures[name] = why
     yield from found
     # Far from the base its derivatives mislead: the best go on with fresh ones.
-    best = sorted((t for t in found if t.free != bases[0].trial.free), key=lambda t: t.fitted_rmse)
+    before = bases[0].trial
+    best = sorted((t for t in found if t.free != before.free), key=lambda t: t.fitted_rmse)
+    if not best or best[0].fitted_rmse > WORTH_POLISHING * before.fitted_rmse:
+        return
     near = [t for t in best[:REFINED] if t.fitted_rmse < NEAR * best[0].fitted_rmse]
     progress("the best of them", 0, 1)
     yield from side_by_side(polish, [(evidence, trial) for trial in near], jobs)
@@ -217,7 +240,7 @@ def polish(evidence: Evidence, trial: Trial) -> Trial:
 def _promise(evidence: Evidence, bases: Sequence[Base], name: str) -> tuple[str, float]:
     """The share of a residual's power, at best, that is left when an effect joins in."""
     with np.errstate(all="ignore"):
-        part, anchors = _on_a_part(evidence, bases, name)
+        part, anchors = on_a_part(evidence, bases, name, GLANCE)
         found = guesses(part, anchors, name, 1)
     power = float(anchors[0].residual @ anchors[0].residual)
     return name, found[0].least / power if found and power > 0.0 else np.inf
@@ -238,7 +261,7 @@ def _attempt(evidence: Evidence, bases: Sequence[Base], name: str) -> tuple[Tria
         return None, "nothing in the recordings to start from"
     if is_chosen(name):
         return _behind(evidence, bases[0].trial, name), ""
-    part, anchors = _on_a_part(evidence, bases, name)
+    part, anchors = on_a_part(evidence, bases, name)
     starts = guesses(part, anchors, name, STARTS)
     fits = [extend(part, start.base, start.model, [name]) for start in starts]
     found = [fit for fit in fits if fit is not None and np.isfinite(fit.fitted_rmse)]
@@ -248,17 +271,3 @@ def _attempt(evidence: Evidence, bases: Sequence[Base], name: str) -> tuple[Tria
     if part is evidence:
         return judged(evidence, best), ""
     return unfitted(evidence, moved(evidence, best)), ""
-
-
-def _on_a_part(
-    evidence: Evidence, bases: Sequence[Base], name: str
-) -> tuple[Evidence, Sequence[Base]]:
-    """Less to fit for a force with a memory: under a zero-order hold each sample is dear.
-
-    Such a force knows the way and not the time, so pieces of the recordings show all of it.
-    """
-    dear = any(_remembers(link) for link in (name, *bases[0].trial.effects))
-    part = evidence.lean(PART) if dear else evidence
-    if part is evidence:
-        return evidence, bases
-    return part, [base_of(part, moved(part, base.trial)) for base in bases]

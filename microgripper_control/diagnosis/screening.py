@@ -37,7 +37,7 @@ class Guess:
 
 
 def guesses(evidence: Evidence, bases: Sequence[Base], effect: str, wanted: int) -> list[Guess]:
-    """The best first guesses of an effect on any of some bases, best first, at most `wanted`."""
+    """The best first guesses of an effect, at most `wanted`, the best of each base first."""
     starts = registry()[effect].starts(evidence.scales)
     found = [
         guess
@@ -49,7 +49,10 @@ def guesses(evidence: Evidence, bases: Sequence[Base], effect: str, wanted: int)
         model = _stronger(guess.model, effect, guess.strength)
         if model is not guess.model and (again := _judge(evidence, guess.base, model)):
             found.append(again)
-    return sorted(found, key=lambda guess: (guess.idle, guess.left))[:wanted]
+    found.sort(key=lambda guess: (guess.idle, guess.left))
+    firsts = {id(guess.base): guess for guess in reversed(found)}
+    found.sort(key=lambda guess: firsts[id(guess.base)] is not guess)
+    return found[:wanted]
 
 
 def _with(model: Model, effect: str, values: Values) -> Model:

@@ -54,6 +54,11 @@ class Trial:
         """Root mean square error on the judging samples, m."""
         return rms(self.errors)
 
+    @property
+    def both(self) -> float:
+        """The same, m, with the fitted samples given as much weight as the judging ones."""
+        return float(np.hypot(self.fitted_rmse, self.rmse) / np.sqrt(2.0))
+
 
 @dataclass(frozen=True)
 class Base:

@@ -1,4 +1,4 @@
-"""How probable each explanation is, from what all of them leave on the judging samples.
+"""How probable each explanation is, from what all of them leave.
 
 An explanation is a set of effects. Its evidence is the logarithm of how far it brings the error
 down, times the number of independent samples:
@@ -8,6 +8,8 @@ down, times the number of independent samples:
 M counts the residual of the refit by its autocorrelation time and is capped: many samples do not
 make a wrong law right. No law of the library is the rig's own, so the right one still leaves a
 share `mismatch` of the gap e = sqrt(refit^2 - floor^2); what it leaves below that says nothing.
+The first term is taken on the judging samples and, with a weight, on the fitted ones: an effect may
+show in the one and not in the other. Flexible laws are held back by the former.
 `odds` are what an explanation must gain before it is believed: one amount for an effect, a further
 one for each other. `none` is the nominal model as it was given, `parameters` the refit, `unknown` a
 law that is not in the library and leaves the share `unknown_rest` of the gap.
@@ -21,6 +23,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -33,7 +36,8 @@ Explanation = frozenset[str]
 NOTHING: Explanation = frozenset([NONE])
 MISTUNED: Explanation = frozenset([PARAMETERS])
 OUTSIDE: Explanation = frozenset([UNKNOWN])
-SHARPEST = 0.3  # of an error: what rounding leaves of it at least
+BOWED = 0.15  # of a step, rms: what a real converter's grid is off an even one
+TINY = 1e-30  # m^2: keeps an error of zero from being infinitely good
 
 
 @dataclass(frozen=True)
@@ -42,6 +46,7 @@ class Weights:
 
     least: float = 10.0  # independent samples that count, however few they seem,
     most: float = 50.0  # and however many
+    fitted: float = 0.5  # weight of the fitted samples beside the judging ones
     mismatch: float = 0.07
     unknown_rest: float = 0.3
     effect: float = 4.0
@@ -55,37 +60,45 @@ class Weights:
 CALIBRATED = Weights()
 
 
+class Left(NamedTuple):
+    """An error on the judging samples and on the fitted ones, m."""
+
+    judged: float
+    fitted: float
+
+
 @dataclass(frozen=True)
 class Facts:
-    """What the weighing looks at: errors in m, and M."""
+    """What the weighing looks at: what each explanation leaves, and M."""
 
-    nominal: float
-    refit: float
+    nominal: Left
+    refit: Left
     floor: float
     independent: float
-    tried: Mapping[Explanation, float]
+    tried: Mapping[Explanation, Left]
     signs: Mapping[str, bool | None] = field(default_factory=dict)  # effect: does it agree?
 
     @classmethod
     def of(cls, pool: Pool, signatures: Sequence[Signature] = ()) -> Facts:
         """The facts in a pool and what fit-free tests say."""
         return cls(
-            nominal=pool.nominal.rmse,
-            refit=pool.refit.rmse,
+            nominal=_left(pool.nominal),
+            refit=_left(pool.refit),
             floor=pool.noise_floor,
             independent=independent_samples(pool.refit.errors),
-            tried={effects: _left(effects, trial, pool) for effects, trial in pool.tried.items()},
+            tried={
+                effects: _explained(effects, trial, pool) for effects, trial in pool.tried.items()
+            },
             signs={signature.effect: signature.agrees for signature in signatures},
         )
 
-    @property
-    def gap(self) -> float:
-        """What the refit leaves above the noise floor, m."""
-        return removable(self.refit, self.floor)
+
+def _left(trial: Trial) -> Left:
+    return Left(trial.rmse, trial.fitted_rmse)
 
 
-def _left(effects: Explanation, trial: Trial, pool: Pool) -> float:
-    """What an explanation leaves, m.
+def _explained(effects: Explanation, trial: Trial, pool: Pool) -> Left:
+    """What an explanation leaves.
 
     A grid of step q explains readings that lie on it without predicting them better: under noise
     the rounded prediction is often worse. So it counts as taking away the variance of rounding,
@@ -93,29 +106,32 @@ def _left(effects: Explanation, trial: Trial, pool: Pool) -> float:
     """
     rounding = [name for name in effects if is_chosen(name)]
     if not rounding:
-        return trial.rmse
-    rest = pool.tried.get(effects - frozenset(rounding), pool.refit)
+        return _left(trial)
+    rest = _left(pool.tried.get(effects - frozenset(rounding), pool.refit))
     step = max(trial.model.value(name, "resolution") for name in rounding)
-    return float(np.sqrt(max(rest.rmse**2 - step**2 / 12.0, (SHARPEST * rest.rmse) ** 2)))
+    squares = np.maximum(np.square(rest) - step**2 / 12.0, 0.0) + (BOWED * step) ** 2
+    return Left(*(float(left) for left in np.minimum(np.sqrt(squares), rest)))
 
 
 def weigh(facts: Facts, weights: Weights = CALIBRATED) -> dict[Explanation, float]:
     """The probability of each explanation; they sum to one."""
-    gap, floor = facts.gap, facts.floor
     count = min(max(facts.independent, weights.least), weights.most)
+    gap = Left(*(removable(error, facts.floor) for error in facts.refit))
 
-    def evidence(rmse: float) -> float:
-        slack = (weights.mismatch * gap) ** 2
-        return count * 0.5 * float(np.log((facts.refit**2 + slack) / (rmse**2 + slack)))
+    def evidence(left: Left) -> float:
+        slack = (weights.mismatch * np.array(gap)) ** 2 + TINY
+        gain = 0.5 * np.log((np.square(facts.refit) + slack) / (np.square(left) + slack))
+        return count * float(gain @ (1.0, weights.fitted))
 
     logs = {NOTHING: evidence(facts.nominal) + weights.none, MISTUNED: 0.0}
-    logs[OUTSIDE] = evidence(float(np.hypot(floor, weights.unknown_rest * gap))) - weights.unknown
-    for effects, rmse in facts.tried.items():
+    rest = Left(*(float(np.hypot(facts.floor, weights.unknown_rest * error)) for error in gap))
+    logs[OUTSIDE] = evidence(rest) - weights.unknown
+    for effects, left in facts.tried.items():
         odds = weights.effect + (len(effects) - 1) * weights.further
         for name in effects:
             if facts.signs.get(name) is not None:
                 odds += -weights.agrees if facts.signs[name] else weights.contradicts
-        logs[effects] = evidence(rmse) - odds
+        logs[effects] = evidence(left) - odds
     largest = max(logs.values())
     parts = {explanation: float(np.exp(log - largest)) for explanation, log in logs.items()}
     total = sum(parts.values())

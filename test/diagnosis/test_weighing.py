@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from microgripper_control.diagnosis.weighing import (
@@ -9,6 +11,7 @@ from microgripper_control.diagnosis.weighing import (
     NOTHING,
     OUTSIDE,
     Facts,
+    Left,
     weigh,
 )
 
@@ -22,8 +25,13 @@ CREEP, LAG, BOTH = (
 
 def facts(nominal: float, refit: float, **tried: float) -> Facts:
     names = {"creep": CREEP, "lag": LAG, "both": BOTH}
-    errors = {names[name]: error * NM for name, error in tried.items()}
-    return Facts(nominal * NM, refit * NM, 15.0 * NM, 500.0, errors)
+    errors = {names[name]: alike(error) for name, error in tried.items()}
+    return Facts(alike(nominal), alike(refit), 15.0 * NM, 500.0, errors)
+
+
+def alike(error: float) -> Left:
+    """The same error, nm, on the judging and on the fitted samples."""
+    return Left(error * NM, error * NM)
 
 
 @pytest.mark.parametrize(
@@ -51,13 +59,24 @@ def test_equally_good_explanations_share_the_probability() -> None:
 
 def test_samples_beyond_the_cap_add_no_certainty() -> None:
     few, many = (
-        Facts(300.0 * NM, 60.0 * NM, 15.0 * NM, count, {CREEP: 20.0 * NM, LAG: 22.0 * NM})
-        for count in (1e3, 1e6)
+        replace(facts(300.0, 60.0, creep=20.0, lag=22.0), independent=count) for count in (1e3, 1e6)
     )
     assert weigh(few) == weigh(many)
 
 
 def test_a_signature_tips_the_scales() -> None:
     plain = facts(300.0, 60.0, creep=16.0, lag=16.0)
-    signed = Facts(**{**plain.__dict__, "signs": {"creep": True, "sensor_lag": False}})
+    signed = replace(plain, signs={"creep": True, "sensor_lag": False})
     assert weigh(signed)[CREEP] > weigh(plain)[CREEP] > weigh(signed)[LAG]
+
+
+def test_an_effect_that_shows_in_the_fitted_samples_only_is_believed() -> None:
+    """A slow held-out run says nothing about a slew limit; the fast ones that were fitted do."""
+    quiet = Facts(Left(16.0 * NM, 90.0 * NM), Left(15.1 * NM, 60.0 * NM), 15.0 * NM, 500.0, {})
+    weighed = weigh(replace(quiet, tried={CREEP: Left(15.1 * NM, 16.0 * NM)}))
+    assert max(weighed, key=lambda explanation: weighed[explanation]) == CREEP
+
+
+def test_what_fits_and_does_not_predict_is_not_believed() -> None:
+    weighed = weigh(replace(facts(300.0, 60.0), tried={CREEP: Left(120.0 * NM, 30.0 * NM)}))
+    assert weighed[CREEP] < 0.01

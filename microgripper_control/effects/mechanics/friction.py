@@ -1,43 +1,71 @@
 """Friction in guide or joint: it sticks like a spring, slips at a force that falls with speed.
 
-    F = -f,    f' = stiffness (x' - |x'| f / g),    g = coulomb (1 + excess / (1 + (x'/v_s)^2))
+    F = -f,    f' = stiffness x' (1 - r) (1 + bend r)      while it is loaded further, r >= 0,
+               f' = stiffness x' (1 - recovery r)          on the way back, r < 0,
+    r = sgn(x') f / g,    g = coulomb (1 + excess / (1 + (x'/v_s)^2))
 
-The bristle model of Dahl, with the breakaway force of Stribeck as in LuGre. At excess 0 it depends
-on the path alone, in closed form; with excess, g is taken at the mean speed of a step. LuGre's
-viscous term is not repeated: the mechanics' b is one.
+At bend 0 and recovery 1 this is Dahl's bristle. `bend` keeps it stiff until shortly before it
+slips, and a small `recovery` lets it come back along its own stiffness, as the elasto-plastic
+bristle of Dupont does; the breakaway force is Stribeck's as in LuGre. At excess 0 it depends on the
+path alone, in closed form; with excess, g is taken at the mean speed of a step. LuGre's viscous
+term is not repeated: the mechanics' b is one.
 """
 
 import math
 from collections.abc import Mapping, Sequence
 
+from microgripper_control.core.compiled import compiled
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import quantity
 from microgripper_control.core.signals import Array
 from microgripper_control.effects.base import Force, Link, Scales, Stage, Values
 
-SLIGHT = 0.1  # of the bristle's length: so far the approximation is within 2e-7 of the change
+SLIGHT = 0.1  # so far the exponential is taken as (12 + 6 x + x^2) / (12 - 6 x + x^2)
+
+
+@compiled
+def grown(x: float) -> float:
+    """e^x - 1."""
+    if abs(x) < SLIGHT:
+        return float(12.0 * x / (12.0 + x * (x - 6.0)))
+    return math.expm1(x)
+
+
+@compiled
+def bristle(r: float, x: float, bend: float, recovery: float) -> float:
+    """r after a way of x > 0, in bristle lengths, in one direction."""
+    if r < 0.0:
+        back = 1.0 - recovery * r
+        change = back * (x if recovery == 0.0 else -grown(-recovery * x) / recovery)
+        if r + change <= 0.0:
+            return r + change
+        x -= -r if recovery == 0.0 else math.log(back) / recovery
+        r = 0.0
+    loaded, more = 1.0 - r, 1.0 + bend * r
+    growth = grown((1.0 + bend) * x)
+    return r + loaded * more * growth / (1.0 + bend + more * growth)
 
 
 def law(
     c: Array, before: Array, after: Array, x0: float, x1: float, v: float, step: float
 ) -> float:
     way = x1 - x0
-    run, scale = way * way, (step * c[3]) * (step * c[3])
-    # The bristle relaxes over the way by exp(-bent / level).
-    bent, level = c[1] * abs(way) * (run + scale), c[0] * (run + (1.0 + c[2]) * scale)
     f: float = before[0]
-    if bent < SLIGHT * level:  # Pade: a division is what costs here, and this takes one
-        pull = c[1] * way * level - f * bent
-        f += pull * level / (level * level + bent * (level * (1 / 2) + bent * (1 / 12)))
-    elif bent > 0.0:
-        x = bent / level
-        f += (c[1] * way / x - f) * (1.0 - math.exp(-x))
+    if way != 0.0:
+        run, scale = way * way, (step * c[3]) * (step * c[3])
+        level = c[0] * (run + (1.0 + c[2]) * scale) / (run + scale)
+        if level > 0.0:
+            ahead = level if way > 0.0 else -level
+            f = ahead * bristle(f / ahead, abs(way) * c[1] / level, c[4], c[5])
+        else:
+            f = 0.0
     after[0] = f
     return -f
 
 
 def coefficients(values: Values) -> Sequence[float]:
-    return values["coulomb"], values["stiffness"], values["excess"], values["stribeck_speed"]
+    names = ("coulomb", "stiffness", "excess", "stribeck_speed", "bend", "recovery")
+    return [values[name] for name in names]
 
 
 def stiffness(values: Values) -> float:
@@ -48,8 +76,15 @@ def starts(scales: Scales) -> Sequence[Values]:
     """A hundredth of the rig's force, which sticks over more or less of the stroke."""
     force = 0.01 * scales.stiffness * scales.stroke
     return [
-        {"coulomb": force, "stiffness": force / (share * scales.stroke), "excess": 0.0}
+        {
+            "coulomb": force,
+            "stiffness": force / (share * scales.stroke),
+            "excess": 0.0,
+            "bend": bend,
+            "recovery": recovery,
+        }
         for share in (0.01, 0.05, 0.2)
+        for bend, recovery in ((0.0, 1.0), (2.0, 0.1))
     ]
 
 
@@ -71,11 +106,13 @@ LINK = Link(
     stage=Stage.MECHANICS,
     order=30,
     title="friction in guide or joint",
-    source="Dahl 1968; Canudas de Wit, Olsson, Astrom, Lischinsky 1995 (LuGre)",
+    source="Dahl 1968; Canudas de Wit et al. 1995 (LuGre); Dupont et al. 2002 (elasto-plastic)",
     force=Force(law, coefficients, stiffness, states=1),
     parameters=(
         Parameter("coulomb", "N", 10.0, 0.0, 1e6, "friction force when sliding", 0.0),
         Parameter("stiffness", "N/m", 2e7, 1.0, 1e13, "of what sticks, before it slides"),
+        Parameter("bend", "1", 0.0, 0.0, 10.0, "how long it stays stiff before it slips"),
+        Parameter("recovery", "1", 1.0, 0.0, 1.0, "of a slipped bristle on the way back"),
         Parameter("excess", "1", 0.2, 0.0, 5.0, "of breaking away over sliding, a share"),
         Parameter(
             "stribeck_speed", "m/s", 1e-4, 1e-9, 10.0, "over which the excess goes", fitted=False

@@ -82,18 +82,21 @@ def test_a_faster_way_is_the_same_way(paper: Model) -> None:
 
 
 @pytest.mark.parametrize(
-    ("rig", "stiffness", "excess", "tolerance"),
+    ("rig", "stiffness", "excess", "shape", "tolerance"),
     [
-        ("paper", 0.4, 0.0, (0.02, 0.02, 0.01, 0.1)),
-        ("paper", 2.0, 0.5, (0.02, 0.04, 0.02, 0.1)),
-        ("slow", 0.4, 0.0, (1e-3, 1e-3, 1e-3, 1e-3)),
-        ("slow", 2.0, 0.5, (1e-3, 1e-3, 1e-3, 1e-3)),
+        ("paper", 0.4, 0.0, (0.0, 1.0), (0.02, 0.02, 0.01, 0.1)),
+        ("paper", 2.0, 0.5, (0.0, 1.0), (0.02, 0.04, 0.02, 0.1)),
+        ("slow", 0.4, 0.0, (0.0, 1.0), (1e-3, 1e-3, 1e-3, 1e-3)),
+        ("slow", 2.0, 0.5, (0.0, 1.0), (1e-3, 1e-3, 1e-3, 1e-3)),
+        ("slow", 2.0, 0.0, (3.0, 0.0), (1e-3, 1e-3, 1e-3, 1e-3)),
+        ("slow", 2.0, 0.5, (1.0, 0.4), (1e-3, 1e-3, 1e-3, 1e-3)),
     ],
 )
 def test_it_meets_an_integrator(
     rig: str,
     stiffness: float,
     excess: float,
+    shape: tuple[float, float],
     tolerance: tuple[float, ...],
     agreement: Callable[..., list[float]],
     request: pytest.FixtureRequest,
@@ -101,15 +104,30 @@ def test_it_meets_an_integrator(
     model: Model = request.getfixturevalue(rig)
     k, scale = model.value("second_order", "k"), 1e-2
     values = {"coulomb": 2e-7 * k, "stiffness": stiffness * k}
-    values |= {"excess": excess, "stribeck_speed": scale}
+    bend, recovery = shape
+    values |= {"excess": excess, "stribeck_speed": scale, "bend": bend, "recovery": recovery}
 
     def force(x: float, v: float, own: Array) -> tuple[float, list[float]]:
         (f,) = own
-        level = values["coulomb"] * (1.0 + excess / (1.0 + (v / scale) ** 2))
-        return -f, [values["stiffness"] * (v - abs(v) * f / level)]
+        r = np.sign(v) * f / (values["coulomb"] * (1.0 + excess / (1.0 + (v / scale) ** 2)))
+        share = 1.0 - recovery * r if r < 0.0 else (1.0 - r) * (1.0 + bend * r)
+        return -f, [values["stiffness"] * v * share]
 
     errors = agreement(model, LINK, values, force, 1)
     assert np.all(np.array(errors) < tolerance), errors
+
+
+def test_a_bent_bristle_comes_back_as_stiff_as_it_went(paper: Model) -> None:
+    """Without recovery the way back from slipping is straight, at the bristle's own stiffness."""
+    s, stiffness = paper.values("second_order"), 3e7
+    back = np.linspace(100.0, 90.0, 200)
+    voltage = np.concatenate([np.linspace(0.0, 100.0, 2000), back])
+    values = {"coulomb": COULOMB, "stiffness": stiffness, "excess": 0.0, "recovery": 0.0}
+    w, x = straight(paper.with_link(LINK, **values, bend=2.0), voltage, 1e-2)
+    # The spring lets go of its force over coulomb / stiffness; half of that is looked at.
+    held = x[-200:] > x[-200] - 0.5 * COULOMB / stiffness
+    gain = np.polyfit(w[-200:][held], x[-200:][held], 1)[0]
+    assert gain == pytest.approx(s["k"] / (s["k"] + s["k_s"] + stiffness), rel=0.01)
 
 
 def test_planted_values_are_found(

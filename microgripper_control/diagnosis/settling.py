@@ -1,0 +1,60 @@
+"""Which samples of a periodic recording tell about the rig, and not about the time before it.
+
+What a hysteretic material remembers from before the recording is unknown, and so is what a drive
+does in the moment it is switched on. Where the voltage repeats itself both are gone after one
+period: the habit of frequency response measurements (Pintelon and Schoukens 2012, chapter 2). But
+the first period may be all that tells a lag, which a switch-on shows and a single sine does not,
+from hysteresis; so it has its say before it is left out (see `exploration`).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from microgripper_control.core.recording import Recording
+from microgripper_control.core.signals import Array
+from microgripper_control.identification.nuisance import Mask
+
+SAME = 0.02  # of the swing, rms: so alike are two periods
+ALIKE = 0.15  # the same before the period is known to a sample
+FULL = 0.9  # of the swing: what a period must cover, and of a period: what must be left
+BEGUN = 0.1  # of the way of the voltage: what lies before it becomes periodic at most
+COARSE = 1500  # samples in which a period is looked for first
+
+
+def settled(recording: Recording) -> Mask:
+    """The samples after the first period; all of them where the voltage is not periodic."""
+    voltage = recording.voltage
+    mask: Mask = np.ones(len(voltage), bool)
+    period = find_period(voltage)
+    if period:
+        differs = np.abs(voltage[period:] - voltage[:-period]) > 2.0 * SAME * np.ptp(voltage)
+        begin = int(np.flatnonzero(differs)[-1]) + 1 if differs.any() else 0
+        way = np.abs(np.diff(voltage))
+        left = len(voltage) - begin - period
+        if left >= FULL * period and way[: max(0, begin - 1)].sum() <= BEGUN * way.sum():
+            mask[: begin + period] = False
+    return mask
+
+
+def find_period(voltage: Array) -> int:
+    """The shortest period, samples, that the end of a voltage has; 0 if it has none."""
+    step = -(-len(voltage) // COARSE)
+    coarse = voltage[len(voltage) % step :: step]
+    apart = [_apart(coarse, period) for period in range(1, len(coarse) // 2 + 1)]
+    for index, least in enumerate(apart):
+        if least < ALIKE and least == min(apart[max(0, index - 1) : index + 2]):
+            near = range(max(1, step * index), step * (index + 2) + 1)
+            fine = [_apart(voltage, length) for length in near]
+            if min(fine) < SAME:
+                return near[int(np.argmin(fine))]
+    return 0
+
+
+def _apart(voltage: Array, period: int) -> float:
+    """The rms difference of the last two periods over the swing; infinite if they are not whole."""
+    swing = np.ptp(voltage)
+    if 2 * period > len(voltage) or np.ptp(voltage[-period:]) < FULL * swing:
+        return np.inf
+    change = voltage[-period:] - voltage[-2 * period : -period]
+    return float(np.sqrt(np.mean(change**2)) / swing)
