@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from microgripper_control.core.signals import Array
 
@@ -72,5 +72,5 @@ def covariance(jacobian: Array, residuals: Sequence[Array], offsets: int) -> Arr
 
 def interval(value: float, variance: float, freedom: int) -> tuple[float, float]:
     """The two-sided 95 % interval around a value."""
-    half = float(student.ppf(0.5 + LEVEL / 2.0, max(1, freedom))) * float(np.sqrt(variance))
+    half = float(stdtrit(max(1, freedom), 0.5 + LEVEL / 2.0)) * float(np.sqrt(variance))
     return value - half, value + half

@@ -12,7 +12,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.signals import Array
@@ -95,5 +95,5 @@ def _bend(force: Array, displacement: Array) -> tuple[float, bool]:
     weights, *_ = np.linalg.lstsq(basis, displacement, rcond=None)
     residual = displacement - basis @ weights
     variance = float(residual @ residual) / freedom * np.linalg.inv(basis.T @ basis)[2, 2]
-    bound = float(student.ppf(0.5 + LEVEL / 2.0, freedom)) * math.sqrt(variance)
+    bound = float(stdtrit(freedom, 0.5 + LEVEL / 2.0)) * math.sqrt(variance)
     return float(weights[2]) / 4.0 / stroke, abs(float(weights[2])) > bound

@@ -17,7 +17,7 @@ import math
 
 import numpy as np
 
-from microgripper_control.core.compiled import compiled
+from microgripper_control.core.compiled import compiled, inlined
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.signals import FREE, HYSTERESIS, VOLTAGE, Array, Timing
 from microgripper_control.effects.base import Link, Prepared, Stage, Values
@@ -27,7 +27,7 @@ SMALLEST_GROWTH = 0.15  # of |h|^n in one step, because |h|^n is not smooth at z
 STRAIGHT = 1e-8  # so near zero that the terms in |h|^n are less than this beside alpha d
 
 
-@compiled
+@inlined
 def _relax(g: float, a: float, c: float, xi: float) -> float:
     """Solve dg/dxi = a - c g from g over xi (n = 1, one side of zero)."""
     x = c * xi
@@ -93,7 +93,7 @@ def _integrate_power(g: float, a: float, beta: float, gamma: float, n: float, xi
     return g
 
 
-@compiled
+@inlined
 def advance(h: float, du: float, a: float, beta: float, gamma: float, n: float) -> float:
     """Return h after the voltage moved one way by `du`, V (equations (2), (3)).
 

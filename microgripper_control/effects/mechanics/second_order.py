@@ -60,8 +60,8 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
         c = coefficients[row]
         new = bus[FREE, j]
         x, v = (
-            c[0] * x + c[1] * v + c[4] * w + c[6] * new,
-            c[2] * x + c[3] * v + c[5] * w + c[7] * new,
+            c[4] * w + c[6] * new + (c[0] * x + c[1] * v),
+            c[5] * w + c[7] * new + (c[2] * x + c[3] * v),
         )
         w = new
         bus[POSITION, j] = x
