@@ -20,15 +20,15 @@ from microgripper_control.core.quantities import quantity
 from microgripper_control.core.signals import Array
 from microgripper_control.effects.base import Force, Link, Scales, Stage, Values
 
-SLIGHT = 0.1  # so far the exponential is taken as (12 + 6 x + x^2) / (12 - 6 x + x^2)
+SLIGHT = 0.1  # so far e^-x is taken as (12 - 6 x + x^2) / (12 + 6 x + x^2)
 
 
 @compiled
-def grown(x: float) -> float:
-    """e^x - 1."""
+def forgotten(x: float) -> float:
+    """1 - e^-x."""
     if abs(x) < SLIGHT:
-        return float(12.0 * x / (12.0 + x * (x - 6.0)))
-    return math.expm1(x)
+        return float(12.0 * x / (12.0 + x * (x + 6.0)))
+    return -math.expm1(-x)
 
 
 @compiled
@@ -36,14 +36,13 @@ def bristle(r: float, x: float, bend: float, recovery: float) -> float:
     """r after a way of x > 0, in bristle lengths, in one direction."""
     if r < 0.0:
         back = 1.0 - recovery * r
-        change = back * (x if recovery == 0.0 else -grown(-recovery * x) / recovery)
+        change = back * (x if recovery == 0.0 else forgotten(recovery * x) / recovery)
         if r + change <= 0.0:
             return r + change
         x -= -r if recovery == 0.0 else math.log(back) / recovery
         r = 0.0
-    loaded, more = 1.0 - r, 1.0 + bend * r
-    growth = grown((1.0 + bend) * x)
-    return r + loaded * more * growth / (1.0 + bend + more * growth)
+    loaded, more, lost = 1.0 - r, 1.0 + bend * r, forgotten((1.0 + bend) * x)
+    return r + loaded * more * lost / ((1.0 + bend) * (1.0 - lost) + more * lost)
 
 
 def law(
@@ -112,7 +111,7 @@ LINK = Link(
         Parameter("coulomb", "N", 10.0, 0.0, 1e6, "friction force when sliding", 0.0),
         Parameter("stiffness", "N/m", 2e7, 1.0, 1e13, "of what sticks, before it slides"),
         Parameter("bend", "1", 0.0, 0.0, 10.0, "how long it stays stiff before it slips"),
-        Parameter("recovery", "1", 1.0, 0.0, 1.0, "of a slipped bristle on the way back"),
+        Parameter("recovery", "1", 1.0, 0.0, 2.0, "of a slipped bristle on the way back"),
         Parameter("excess", "1", 0.2, 0.0, 5.0, "of breaking away over sliding, a share"),
         Parameter(
             "stribeck_speed", "m/s", 1e-4, 1e-9, 10.0, "over which the excess goes", fitted=False
