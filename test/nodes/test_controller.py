@@ -226,5 +226,7 @@ def test_its_health_tells_of_what_is_wrong(start: Start, watcher: Watcher) -> No
     )
     loop.ask(1.0)
     wrong = "setpoints not finite or out of reach"
-    watcher.until(lambda: loop.answer(0.0, 0.0) is not None and told(wrong), "what is wrong")
+    watcher.until(
+        lambda: loop.answer(0.0, loop.answers[-1].data) is not None and told(wrong), "what is wrong"
+    )
     watcher.until(lambda: told("feedback lost: none comes; safe voltage"), "the loss of the plant")
