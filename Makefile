@@ -3,6 +3,7 @@
 # make bench  how fast it is, about 12 minutes; results in out/bench and docs/performance.md
 # make test   style, types and all tests
 # make chaos  a million hostile messages, hundreds of dead nodes, a bad network, overload; ten minutes
+# make fuzz   readers of bags, CSV and models, given thousands of broken ones; four minutes
 # make soak   half an hour in lockstep: memory and latency stay where they are
 # make clean  removes the environment and everything generated
 #
@@ -22,7 +23,7 @@ endif
 BIN := $(VENV)/bin
 INSTALLED := $(VENV)/installed
 
-.PHONY: demo paper bench test chaos soak install clean
+.PHONY: demo paper bench test chaos fuzz soak install clean
 
 demo: install
 	$(BIN)/microgripper demo --out out/demo
@@ -42,6 +43,9 @@ test: install
 
 chaos: install
 	$(BIN)/python test/chaos --keep docs/reliability.md
+
+fuzz: install
+	$(BIN)/pytest -m fuzz --hypothesis-profile=chaos
 
 soak: install
 	$(BIN)/python test/chaos/soak.py
