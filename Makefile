@@ -1,6 +1,6 @@
 # make demo   the gripper, simulated, controlled, recorded and identified; results in out/demo
 # make paper  every table and figure of the paper, recomputed; results in out/paper
-# make bench  how fast it is, about 12 minutes; results in out/bench and docs/performance.md
+# make bench  how fast it is, some 12 minutes; results in out/bench and docs/performance.md
 # make test   style, types and all tests
 # make clean  removes the environment and everything generated
 #
