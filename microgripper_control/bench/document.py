@@ -73,7 +73,8 @@ def _paragraphs(bench: Bench, picture: str) -> Iterator[str]:
     yield INTRODUCTION
     yield from (f"- {key}: {value}" for key, value in bench.machine.items())
     missed = len(bench.judged) - bench.met
-    yield f"\nOf {len(bench.judged)} goals {bench.met} are met and {missed} missed.\n"
+    hurried = " A quick run: fewer rounds, smaller sizes." if bench.quick else ""
+    yield f"\nOf {len(bench.judged)} goals {bench.met} are met and {missed} missed.{hurried}\n"
     yield f"![Each figure in proportion to its goal, and how cost grows]({picture})"
     quick = " --quick" if bench.quick else ""
     for name, measured in bench.rows.items():
