@@ -9,9 +9,10 @@ import pytest
 
 from microgripper_control.bench.long_bag import write_long_bag
 from microgripper_control.core.recording import Recording
+from microgripper_control.recordings.bag_writer import STORAGES
 from microgripper_control.recordings.one_by_one import read_one_by_one
 from microgripper_control.recordings.read import read_recording
-from microgripper_control.recordings.write import STORAGES, write_bag
+from microgripper_control.recordings.write import write_bag
 
 
 @pytest.mark.parametrize("storage", STORAGES)
