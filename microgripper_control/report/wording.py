@@ -92,7 +92,7 @@ def quantity(value: float, unit: str, digits: int = 3) -> str:
 
 
 def span(low: float, high: float, unit: str, digits: int = 3) -> str:
-    """A range, both ends in one unit; open ends say so."""
+    """A range, both ends in one unit, as many digits as tell them apart; open ends say so."""
     ends = [end for end in (low, high) if math.isfinite(end)]
     factor, name = scaled(unit, max(map(abs, ends), default=0.0))
     if math.isinf(low) and math.isinf(high):
@@ -101,6 +101,8 @@ def span(low: float, high: float, unit: str, digits: int = 3) -> str:
         return f"more than {number(factor * low, digits)}\u00a0{name}".rstrip()
     if math.isinf(low):
         return f"less than {number(factor * high, digits)}\u00a0{name}".rstrip()
+    while low < high and number(factor * low, digits) == number(factor * high, digits):
+        digits += 1
     both = f"{number(factor * low, digits)} to {number(factor * high, digits)}"
     return f"{both}\u00a0{name}".rstrip()
 

@@ -61,6 +61,8 @@ def test_a_range_has_one_unit_and_says_where_it_is_open() -> None:
     assert plain_spaces(span(31.0, math.inf, "s", 2)) == "more than 31 s"
     assert plain_spaces(span(-math.inf, 0.5, "s", 2)) == "less than 500 ms"
     assert span(-math.inf, math.inf, "s") == "not determined"
+    assert plain_spaces(span(-1100.4, -1099.8, "1/m", 2)) == "\u22121100.4 to \u22121099.8 1/m"
+    assert plain_spaces(span(1.23401, 1.23402, "", 2)) == "1.23401 to 1.23402"
 
 
 def test_a_share_that_is_not_quite_nothing_or_all_says_so() -> None:
@@ -82,7 +84,7 @@ def test_numbers_stay_with_their_units_and_intervals_in_one_piece() -> None:
 @pytest.mark.parametrize(
     ("found", "text"),
     [
-        (Range("frequency_Hz", 49.5, 50.5, 0.81), "81 % {} at frequencies of 50 to 50 Hz."),
+        (Range("frequency_Hz", 49.5, 50.5, 0.81), "81 % {} at frequencies of 49.5 to 50.5 Hz."),
         (Range("displacement_m", 1.2e-5, 1.9e-5, 0.5), "50 % {} at displacements of 12 to 19 µm."),
         (
             Range("hold_time_s", 0.03, 0.3, 0.4),
