@@ -35,7 +35,8 @@ SECONDS = 5  # further effects that are fitted, the most promising
 UNEXPLAINED = 0.3  # of the noise floor: a structured rest above it asks for another effect,
 UNCLOSED = 0.1  # if it is more of the gap than a law leaves that is right but not the rig's own
 FAIR_PART = 0.12  # of the gap; two independent effects of one size close 0.3 of it each
-RIVAL = 0.7  # of what the best closes: what the second must close to be a leader as well
+RIVAL = 0.7  # of what the best closes: what the second must close to be a leader as well,
+RIVAL_IF_DEAR = 0.9  # and what it must with a force that remembers the way
 REFINED = 4  # explanations of a round that are fitted on with all derivatives fresh,
 WORTH_POLISHING = 0.98  # of what was left before: the best of a round must do better,
 NEAR = 3.0  # if they leave less than so many times what the best leaves
@@ -109,9 +110,9 @@ def explore(
         if not best or not _unexplained(best, pool) or not _worth_it(pool, size):
             break
         for leader in pool.best(size, BEAM):
-            dear = leader is not best[0] and any(is_dear(name) for name in leader.effects)
-            follower = _closed(leader, pool) < RIVAL * _closed(best[0], pool)
-            if dear or follower or not _unexplained(pool.best(size + 1, 1) or best, pool):
+            near = RIVAL_IF_DEAR if any(is_dear(name) for name in leader.effects) else RIVAL
+            follower = _closed(leader, pool) < near * _closed(best[0], pool)
+            if follower or not _unexplained(pool.best(size + 1, 1) or best, pool):
                 continue
             leader = refine(evidence, leader, POLISHED, 20)
             pool.add(leader)
@@ -234,7 +235,7 @@ def _round(
 def polish(evidence: Evidence, trial: Trial) -> Trial:
     """Fit on with all derivatives fresh."""
     with np.errstate(all="ignore"):
-        return refine(evidence, trial, ROUGH, 12)
+        return refine(evidence, trial, ROUGH, 20)
 
 
 def _promise(evidence: Evidence, bases: Sequence[Base], name: str) -> tuple[str, float]:

@@ -37,7 +37,7 @@ class Guess:
 
 
 def guesses(evidence: Evidence, bases: Sequence[Base], effect: str, wanted: int) -> list[Guess]:
-    """The best first guesses of an effect, at most `wanted`, the best of each base first."""
+    """The best first guesses of an effect, `wanted` or fewer, and the best of each base."""
     starts = registry()[effect].starts(evidence.scales)
     found = [
         guess
@@ -51,8 +51,7 @@ def guesses(evidence: Evidence, bases: Sequence[Base], effect: str, wanted: int)
             found.append(again)
     found.sort(key=lambda guess: (guess.idle, guess.left))
     firsts = {id(guess.base): guess for guess in reversed(found)}
-    found.sort(key=lambda guess: firsts[id(guess.base)] is not guess)
-    return found[:wanted]
+    return [g for i, g in enumerate(found) if i < wanted or g is firsts[id(g.base)]]
 
 
 def _with(model: Model, effect: str, values: Values) -> Model:
