@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -60,7 +61,7 @@ def run_loop(
     `settings` are parameters of both.
     """
     check_ros()
-    out = folder / "round_trips.npz"
+    out = folder / "round_trips.json"
     answering, sending = pair
     length = duration + 3.0 * SETTLING
     with Nodes(folder / "log") as nodes:
@@ -68,8 +69,8 @@ def run_loop(
         _await_ready(nodes.start(answering, **own, **settings))
         sender = nodes.start(sending, out=out, duration=length, sample_rate=rate, **settings)
         nodes.wait_for(sender, STARTING + 3.0 * length)
-    with np.load(out) as times:
-        return Trips.of(times["sent"], times["answered"], 1.0 / rate)
+    times = json.loads(out.read_text(encoding="utf-8"))
+    return Trips.of(np.array(times["sent"]), np.array(times["answered"]), 1.0 / rate)
 
 
 def _await_ready(node: Node) -> None:

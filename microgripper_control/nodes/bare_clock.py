@@ -26,7 +26,7 @@ class BareClock(Node):
 
     def __init__(self) -> None:
         super().__init__("bare_clock", namespace=topics.NAMESPACE)
-        self._trips = RoundTrips(self.declare_parameter("out", "round_trips.npz").value)
+        self._trips = RoundTrips(self.declare_parameter("out", "round_trips.json").value)
         self._period = 1.0 / self.declare_parameter("sample_rate", 1000.0).value
         self._duration = self.declare_parameter("duration", 10.0).value
         self._priority = int(self.declare_parameter("realtime_priority", 0).value)

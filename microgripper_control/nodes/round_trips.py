@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import time
 from pathlib import Path
-
-import numpy as np
 
 
 class RoundTrips:
@@ -25,5 +24,6 @@ class RoundTrips:
         self._answered.append(time.monotonic())
 
     def write(self) -> None:
-        """Write the file, of numpy's npz."""
-        np.savez(self._out, sent=self._sent, answered=self._answered)
+        """Write the file, JSON."""
+        times = {"sent": self._sent, "answered": self._answered}
+        self._out.write_text(json.dumps(times), encoding="utf-8")

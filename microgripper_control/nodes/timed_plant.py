@@ -23,7 +23,7 @@ class TimedPlant(PlantSimulator):
 
     def __init__(self) -> None:
         super().__init__()
-        self._trips = RoundTrips(declare_text(self, "out", "round_trips.npz", "file to write"))
+        self._trips = RoundTrips(declare_text(self, "out", "round_trips.json", "file to write"))
         self._setpoint = Float64(data=declare_number(self, SETPOINT))
         self._setpoints = topics.publish_on(self, topics.SETPOINT)
 
