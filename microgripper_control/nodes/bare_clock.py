@@ -20,6 +20,9 @@ from microgripper_control.nodes.realtime import go_first
 from microgripper_control.nodes.round_trips import RoundTrips
 from microgripper_control.nodes.shell import EVENTS, EXECUTORS
 
+DISCOVERY = 30.0  # s: so long it waits for the answering node, at most,
+LOOK = 0.05  # s, looking so often
+
 
 class BareClock(Node):
     """See the module."""
@@ -33,7 +36,9 @@ class BareClock(Node):
         self._executor = self.declare_parameter("executor", EVENTS).value
         self._sample = JointState(name=[topics.JOINT], position=[0.0], velocity=[0.0], effort=[0.0])
         self._samples = self.create_publisher(JointState, topics.JOINT_STATES, 10)
-        self.create_subscription(Float64, topics.VOLTAGE_COMMAND, self._on_answer, 10)
+        self._answers = self.create_subscription(
+            Float64, topics.VOLTAGE_COMMAND, self._on_answer, 10
+        )
 
     def run(self) -> None:
         """Publish at every tick until the duration is over."""
@@ -41,6 +46,9 @@ class BareClock(Node):
         executor.add_node(self)
         if self._priority:
             go_first(self._priority)
+        patience = time.monotonic() + DISCOVERY
+        while not self._meets_partner() and time.monotonic() < patience:
+            executor.spin_once(timeout_sec=LOOK)
         now = time.monotonic()
         pace, end = Pace(self._period, now), now + self._duration
         while now < end:
@@ -53,6 +61,9 @@ class BareClock(Node):
         executor.remove_node(self)
         executor.shutdown()
         self._trips.write()
+
+    def _meets_partner(self) -> bool:
+        return bool(self._samples.get_subscription_count() and self._answers.get_publisher_count())
 
     def _on_answer(self, message: Float64) -> None:
         self._trips.answered()
