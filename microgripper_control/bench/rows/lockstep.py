@@ -78,6 +78,8 @@ def over_dds(effort: Effort, duration: float, *, beside: bool) -> float:
             await_setpoint=beside,
             **LOCKSTEP,
         )
+        if not beside:  # then it sends the setpoint as well
+            run["out"] = effort.folder / "lockstep_trips.json"
         plant = nodes.start(
             "plant_simulator" if beside else "timed_plant", partners=["controller", *others], **run
         )
