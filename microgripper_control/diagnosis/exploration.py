@@ -137,8 +137,8 @@ def _settled(pool: Pool) -> Pool:
         failures=pool.failures,
     )
     leaders = pool.best(1, REFINED)
-    for trial in pool.tried.values():
-        fit_on = trial in leaders and not is_chosen(trial.effects[-1])
+    for effects, trial in pool.tried.items():
+        fit_on = trial in leaders and not any(is_chosen(name) for name in effects)
         settled.add(polish(evidence, trial) if fit_on else unfitted(evidence, trial))
     return settled
 
