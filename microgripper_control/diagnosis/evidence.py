@@ -39,13 +39,13 @@ MOST = 300_000  # samples that explanations are tried on; each costs hundreds of
 class Evidence:
     """Recordings to fit, with the samples that count, and recordings to judge on."""
 
+    nominal: Model  # of the rig
     fitted: tuple[Recording, ...]
     used: tuple[Mask, ...]
     judged: tuple[Recording, ...]
     conditions: Conditions
     separate: bool  # whether the judged recordings are others than the fitted ones
     scales: Scales
-    remembers: bool  # whether the nominal model has a hysteresis
 
     @classmethod
     def gather(
@@ -68,11 +68,10 @@ class Evidence:
                     "moves"
                 )
         scales = measure(nominal, (*recordings, *heldout))
-        remembers = nominal.value("bouc_wen", "alpha") != 0.0
         used = _used(recordings, bool(heldout))
         fitted = tuple(recordings)
         judged = tuple(heldout) or fitted
-        return cls(fitted, used, judged, conditions, bool(heldout), scales, remembers)
+        return cls(nominal, fitted, used, judged, conditions, bool(heldout), scales)
 
     def lean(self, most: int = MOST) -> Evidence:
         """Evidence of the same kind with about `most` samples to fit and as many that judge.
@@ -88,7 +87,7 @@ class Evidence:
 
     def settled(self) -> Evidence:
         """The same without what a hysteresis still owes to the time before each recording."""
-        if not self.remembers:
+        if self.nominal.value("bouc_wen", "alpha") == 0.0:
             return self
         masks = [
             mask & settled(recording)

@@ -31,14 +31,14 @@ from microgripper_control.effects.registry import registry
 STARTS = 2  # best first guesses that are fitted
 MOST_EFFECTS = 3
 BEAM = 2  # explanations that a further effect is added to
-SECONDS = 5  # further effects that are fitted, the most promising
+SECONDS = 5  # further effects that are fitted, the most promising,
+RUNNERS_UP = 3  # among them those that explain most by themselves
 UNEXPLAINED = 0.3  # of the noise floor: a structured rest above it asks for another effect,
 UNCLOSED = 0.1  # if it is more of the gap than a law leaves that is right but not the rig's own
 FAIR_PART = 0.12  # of the gap; two independent effects of one size close 0.3 of it each
 RIVAL = 0.7  # of what the best closes: what the second must close to be a leader as well,
 RIVAL_IF_DEAR = 0.9  # and what it must with a force that remembers the way
 REFINED = 4  # explanations of a round that are fitted on with all derivatives fresh,
-WORTH_POLISHING = 0.98  # of what was left before: the best of a round must do better,
 NEAR = 3.0  # if they leave less than so many times what the best leaves
 GLANCE = 6000  # samples on which it is seen what further forces promise
 ROUGH, POLISHED = 1e-3, 1e-5  # tolerances
@@ -114,7 +114,7 @@ def explore(
             follower = _closed(leader, pool) < near * _closed(best[0], pool)
             if follower or not _unexplained(pool.best(size + 1, 1) or best, pool):
                 continue
-            leader = refine(evidence, leader, POLISHED, 20)
+            leader = refine(evidence, leader, POLISHED, 60)
             pool.add(leader)
             rest = [name for name in fitted if name not in leader.effects]
             bases = [base_of(evidence, leader)]
@@ -126,7 +126,11 @@ def explore(
 
 
 def _settled(pool: Pool) -> Pool:
-    """The same on settled evidence; the first periods have chosen where the fits go on from."""
+    """The same on settled evidence, where that foretells the judging samples better.
+
+    The first periods have chosen where the fits go on from. They are kept if they are worth more
+    than they spoil: the first rise may be the only one of its kind.
+    """
     evidence = pool.evidence.settled()
     if evidence is pool.evidence:
         return pool
@@ -140,7 +144,7 @@ def _settled(pool: Pool) -> Pool:
     for effects, trial in pool.tried.items():
         fit_on = trial in leaders and not any(is_chosen(name) for name in effects)
         settled.add(polish(evidence, trial) if fit_on else unfitted(evidence, trial))
-    return settled
+    return min(pool, settled, key=lambda one: min(t.rmse for t in (one.refit, *one.tried.values())))
 
 
 def _unexplained(best: Sequence[Trial], pool: Pool) -> bool:
@@ -211,7 +215,8 @@ def _round(
     tasks = [(evidence, bases, name) for name in names]
     if most < len(names):
         left: Mapping[str, float] = dict(side_by_side(_promise, tasks, jobs))
-        names = sorted(left, key=lambda name: left[name])[:most]
+        strong = [name for trial in pool.best(1, RUNNERS_UP) for name in trial.effects]
+        names = sorted(left, key=lambda name: (name not in strong, left[name]))[:most]
         tasks = [(evidence, bases, name) for name in names]
     progress("", 0, len(tasks))
     found = []
@@ -225,9 +230,11 @@ def _round(
     # Far from the base its derivatives mislead: the best go on with fresh ones.
     before = bases[0].trial
     best = sorted((t for t in found if t.free != before.free), key=lambda t: t.fitted_rmse)
-    if not best or best[0].fitted_rmse > WORTH_POLISHING * before.fitted_rmse:
+    if not best or not _unexplained([before], pool):
         return
-    near = [t for t in best[:REFINED] if t.fitted_rmse < NEAR * best[0].fitted_rmse]
+    near = [t for t in best if t.fitted_rmse < NEAR * best[0].fitted_rmse]
+    dear = [t for t in near if any(is_dear(name) for name in t.effects)][:REFINED]
+    near = [t for t in near if t in dear or not any(is_dear(name) for name in t.effects)]
     progress("the best of them", 0, 1)
     yield from side_by_side(polish, [(evidence, trial) for trial in near], jobs)
 

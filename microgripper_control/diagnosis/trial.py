@@ -20,6 +20,7 @@ from scipy.optimize import least_squares
 
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.evidence import Evidence, rms
+from microgripper_control.diagnosis.prior import Prior
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.nuisance import fit_nuisance
 from microgripper_control.identification.problem import Problem
@@ -29,6 +30,7 @@ TOLERANCE = 1e-3  # relative, of the squares and of the step, with the chord met
 FINE = 1e-6  # the same, of what is reported
 EVALUATIONS = 8  # of one start, with the chord method
 SEEN = 1e-3  # of the best seen direction of the base parameters: weaker ones stay
+MUCH = 0.5  # of the squares: a prior that was weighed by more than twice what is left is too heavy
 WAYS = (1.0, 0.5, 0.2)  # shares of the linear step that are tried first
 
 Indices = NDArray[np.intp]
@@ -121,7 +123,7 @@ def refine(
     z = problem.point(trial.model, trial.initial_hysteresis)
     if len(z) == 0:
         return trial
-    squares, z = _descend(problem, z, problem.jacobian, tolerance, evaluations)
+    squares, z = _descend(evidence, problem, z, problem.jacobian, tolerance, evaluations)
     return judged(evidence, trial_at(problem, z, squares))
 
 
@@ -159,7 +161,7 @@ def extend(evidence: Evidence, base: Base, model: Model, added: Sequence[str]) -
 
     try:
         z = _met_half_way(problem, z, jacobian(z), np.r_[:count, size : len(z)])
-        squares, z = _descend(problem, z, jacobian, TOLERANCE, EVALUATIONS)
+        squares, z = _descend(evidence, problem, z, jacobian, TOLERANCE, EVALUATIONS)
     except (ValueError, FloatingPointError, np.linalg.LinAlgError):
         return None
     return trial_at(problem, z, squares)
@@ -201,20 +203,44 @@ def judged(evidence: Evidence, trial: Trial) -> Trial:
 
 
 def _descend(
+    evidence: Evidence,
     problem: Problem,
     z: Array,
     jacobian: Callable[[Array], Array],
     tolerance: float,
     evaluations: int,
 ) -> tuple[float, Array]:
-    """Least squares from a point: the sum of squares, m^2, and where."""
+    """Least squares from a point: the sum of squares, m^2, and where.
+
+    The prior is weighed by what is left; where that falls by much, it is weighed again.
+    """
     low, high = problem.bounds
+    z = np.clip(z, low, high)
+    left = problem.residuals(z)
+    while True:
+        before, prior = float(left @ left), Prior(evidence.nominal, problem, left)
+        z, left, used = _solve(problem, prior, z, jacobian, tolerance, evaluations)
+        evaluations -= used
+        squares = float(left @ left)
+        if squares > MUCH * before or evaluations < 2:
+            return squares, z
+
+
+def _solve(
+    problem: Problem,
+    prior: Prior,
+    z: Array,
+    jacobian: Callable[[Array], Array],
+    tolerance: float,
+    evaluations: int,
+) -> tuple[Array, Array, int]:
+    """Where least squares with a prior end, the residual there, m, and the evaluations it took."""
     unit = 1e9  # nm: squares of metres are lost beside the solver's own tolerances
     best = least_squares(
-        lambda z: unit * problem.residuals(z),
-        np.clip(z, low, high),
-        jac=lambda z: unit * jacobian(z),
-        bounds=(low, high),
+        lambda z: unit * np.append(problem.residuals(z), prior.rows(z)),
+        z,
+        jac=lambda z: unit * np.vstack([jacobian(z), prior.jacobian(z)]),
+        bounds=problem.bounds,
         method="trf",
         x_scale="jac",
         ftol=tolerance,
@@ -222,4 +248,5 @@ def _descend(
         gtol=None,
         max_nfev=evaluations,
     )
-    return 2.0 * float(best.cost) / unit**2, np.asarray(best.x)
+    samples = sum(int(np.count_nonzero(mask)) for mask in problem.masks)
+    return np.asarray(best.x), best.fun[:samples] / unit, int(best.nfev)

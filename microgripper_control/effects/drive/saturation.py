@@ -51,15 +51,15 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
 
 
 def starts(scales: Scales) -> Sequence[Values]:
-    """Each end of the range cut, a little and much, hard and soft."""
-    low, swing = scales.voltage[0], scales.swing
-    return [
-        {end: low + swing * (1.0 - cut if end == "high" else cut), "softness": soft * swing}
-        | {other: way * OUT_OF_REACH}
-        for end, other, way in (("high", "low", -1.0), ("low", "high", 1.0))
-        for cut in (0.0, 0.05, 0.15, 0.35)
-        for soft in (0.01, 0.05)
-    ]
+    """Each end of the range cut, and both, a little and much, hard and soft."""
+    (low, high), swing = scales.voltage, scales.swing
+    off = {"low": -OUT_OF_REACH, "high": OUT_OF_REACH}
+    found = []
+    for cut in (0.0, 0.05, 0.15, 0.35):
+        ends = {"low": low + cut * swing, "high": high - cut * swing}
+        for levels in ({"low": ends["low"]}, {"high": ends["high"]}, ends):
+            found += [off | levels | {"softness": soft * swing} for soft in (0.01, 0.05)]
+    return found
 
 
 def says(values: Values, scales: Scales) -> str:

@@ -9,7 +9,7 @@ w held over an internal step or running straight through it. At rest creep is co
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -76,6 +76,11 @@ def starts(scales: Scales) -> Sequence[Values]:
     return [{"fastest": fastest, "slowest": slowest} for fastest, slowest in spans]
 
 
+def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
+    """No piezo ceramic goes on by more than a few per cent a decade; polymers by some tens."""
+    return {"strength": (0.0, 0.3)}
+
+
 def says(values: Values, scales: Scales) -> str:
     strength, decades = values["strength"], abs(math.log10(values["slowest"] / values["fastest"]))
     if decades < 1.0:
@@ -101,5 +106,6 @@ LINK = Link(
     kernel=kernel,
     courses=courses,
     starts=starts,
+    plausible=plausible,
     says=says,
 )

@@ -11,7 +11,7 @@ modes up to 0.8 of the sampling rate come out within 2 % of what they do to the 
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -56,6 +56,11 @@ def starts(scales: Scales) -> Sequence[Values]:
     ]
 
 
+def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
+    """A mode has a peak, in the band that the samples show; else it would pass for any lag."""
+    return {"damping": (1e-4, 0.3), "frequency": (1.0, 0.5 / scales.sample_period)}
+
+
 def says(values: Values, scales: Scales) -> str:
     frequency, damping = quantity(values["frequency"], "Hz", 3), number(values["damping"])
     return f"finger or mount rings at {frequency} (damping ratio {damping})"
@@ -76,5 +81,6 @@ LINK = Link(
     kernel=kernel,
     follows=True,
     starts=starts,
+    plausible=plausible,
     says=says,
 )
