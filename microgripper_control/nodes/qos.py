@@ -61,9 +61,10 @@ def offer(deadline: float | None = None) -> QoSProfile:
     return profile
 
 
-def overridable() -> QoSOverridingOptions:
+def overridable(*, reliability: bool = True) -> QoSOverridingOptions:
     """All that the standard `qos_overrides` parameters may override."""
-    return QoSOverridingOptions(OVERRIDABLE)
+    kinds = [k for k in OVERRIDABLE if reliability or k is not QoSPolicyKind.RELIABILITY]
+    return QoSOverridingOptions(kinds)
 
 
 def events_of(node: Node) -> Counter[str]:

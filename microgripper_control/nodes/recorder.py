@@ -162,7 +162,15 @@ class Recorder(Shell):
     def _subscribe(self, topic: str, *, reliable: bool) -> None:
         kind = topics.type_named(self._kinds[topic])
         quality = qos.quality(qos.KEPT, reliable=reliable)
-        self._taken[topic] = self.create_subscription(kind, topic, _never_called, quality, raw=True)
+        self._taken[topic] = self.create_subscription(
+            kind,
+            topic,
+            _never_called,
+            quality,
+            event_callbacks=qos.subscription_events(self, topic),
+            qos_overriding_options=qos.overridable(reliability=False),  # that of the publisher
+            raw=True,
+        )
 
     def _summary(self) -> str:
         counts = [f"{one.count} of {topic}" for topic, one in self._sequences.items()]

@@ -7,11 +7,16 @@ enough to notice them.
 The executor is rclpy's EventsExecutor unless the parameter `executor` says otherwise: at 1 kHz it
 costs half the processor time of the SingleThreadedExecutor, which makes a new wait set for every
 message. docs/performance.md has both.
+
+Fast DDS is asked for UDP alone, unless the user has asked it for something: in its shared memory a
+process that is stopped while it holds a lock stops all who publish to it, the rig with its guard,
+too (docs/reliability.md).
 """
 
 from __future__ import annotations
 
 import gc
+import os
 import signal
 import sys
 import time
@@ -56,6 +61,8 @@ PRIORITY = Parameter(
 )
 POLL = 0.02  # s: the longest time for which a signal goes unnoticed
 FAILED, BAD_INPUT = 1, 2  # exit status
+TRANSPORTS = "FASTDDS_BUILTIN_TRANSPORTS"  # the first, and what else decides on them
+ASKED = (TRANSPORTS, "FASTDDS_DEFAULT_PROFILES_FILE", "FASTRTPS_DEFAULT_PROFILES_FILE")
 ENDING_SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
@@ -134,6 +141,8 @@ def run(make: Callable[[], Shell], args: list[str] | None = None) -> NoReturn:
 def _run(make: Callable[[], Shell], args: list[str] | None) -> int:
     with _asked_to_end() as asked:
         node = None
+        if not any(name in os.environ for name in ASKED):
+            os.environ[TRANSPORTS] = "UDPv4"
         try:
             rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
             node = make()

@@ -36,17 +36,18 @@ def sample() -> JointState:
     return state
 
 
+@pytest.mark.parametrize(
+    ("name", "topic"),
+    [("controller", "joint_states"), ("recorder", "/microgripper/joint_states")],
+)
 def test_a_deadline_that_is_asked_for_is_watched_by_the_middleware(
-    start: Start, watcher: Watcher
+    start: Start, watcher: Watcher, name: str, topic: str
 ) -> None:
     reports = Reports(watcher)
-    start(
-        "controller",
-        **{"qos_overrides./microgripper/joint_states.subscription.deadline": 50_000_000},
-    )
+    start(name, **{"qos_overrides./microgripper/joint_states.subscription.deadline": 50_000_000})
     publisher = watcher.node.create_publisher(JointState, "joint_states", qos.offer(0.05))
-    watcher.until(lambda: publisher.get_subscription_count() > 0, "the controller")
-    key = "deadlines of joint_states missed by its publisher, says the middleware"
+    watcher.until(lambda: publisher.get_subscription_count() > 0, f"the {name}")
+    key = f"deadlines of {topic} missed by its publisher, says the middleware"
 
     def missed() -> bool:
         publisher.publish(sample())

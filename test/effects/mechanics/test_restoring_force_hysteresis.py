@@ -1,4 +1,4 @@
-"""Hysteresis in the restoring force against its family, an integrator and the public benchmark."""
+"""Hysteresis in the restoring force against closed forms, an integrator, the public benchmark."""
 
 from __future__ import annotations
 
@@ -10,7 +10,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from microgripper_control.core.signals import Array
+from microgripper_control.effects.base import Scales, Values
 from microgripper_control.effects.material.bouc_wen import advance
+from microgripper_control.effects.mechanics.restoring_force_hysteresis import ELEMENTS, law
+from microgripper_control.effects.registry import link_named
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.simulate import Hold, simulate
 
@@ -41,6 +44,15 @@ def multisine() -> Array:
     u = np.cos(2.0 * np.pi * lines[:, None] * t + phases[:, None]).sum(axis=0)
     u *= 50.0 / np.std(u)
     return np.append(0.0, u[1:])
+
+
+def asked(values: Values, places: Array) -> Array:
+    """The law's force, N, at each of some places that the mass goes to one after the other, m."""
+    link = link_named(LINK)
+    assert link.force is not None
+    given = {p.name: p.nominal for p in link.parameters} | dict(values)
+    c, state = np.array(link.force.coefficients(given)), np.zeros(link.force.states)
+    return np.array([law(c, state, state, *way, 0.0, 1e-3) for way in pairwise(places)])
 
 
 def integrated(u: Array, hold: Hold) -> Array:
@@ -144,3 +156,96 @@ def test_planted_values_are_found(
     found, errors = recover(rig, LINK, start, lively, 1e-3)
     assert np.all(np.abs(found - truth) < 4.0 * errors)
     assert errors[0] < 0.1 * truth[0]
+
+
+SLIPPING = {"alpha": 4e6, "distributed": 1.0, "widest": 8e-6}
+
+
+def test_bit_by_bit_it_softens_along_a_parabola() -> None:
+    """As the evenly spread slip distances do of which the elements are a sample: Iwan 1966."""
+    x = np.linspace(0.0, 12e-6, 241)
+    slipped = np.minimum(x, 8e-6)
+    expected = -4e6 * (slipped - slipped**2 / 16e-6)
+    error = asked(SLIPPING, x) - expected[1:]
+    assert np.max(np.abs(error)) < 1.001 * 4e6 * 8e-6 / (8.0 * ELEMENTS**2)  # of N chords
+
+
+def test_a_reversal_is_the_first_loading_twice_as_large() -> None:
+    """Masing's rule; and the turned-at point is met again, after which nothing remembers it."""
+    up, down = np.linspace(0.0, 6e-6, 61), np.linspace(6e-6, 1e-6, 51)
+    again = np.linspace(1e-6, 9e-6, 81)
+    force = np.append(0.0, asked(SLIPPING, np.concatenate([up, down[1:], again[1:]])))
+    first = np.append(0.0, asked(SLIPPING, np.linspace(0.0, 9e-6, 91)))
+    back = force[60:111] - force[60]
+    half = np.append(0.0, asked(SLIPPING, np.linspace(0.0, 2.5e-6, 51)))
+    np.testing.assert_allclose(back, -2.0 * half, atol=1e-9)
+    np.testing.assert_allclose(force[-31:], first[-31:], atol=1e-9)
+
+
+def test_undistributed_it_is_bouc_wen(paper: Model, lively: Array) -> None:
+    plain = simulate(paper.with_link(LINK), lively, 1e-3)
+    wide = simulate(paper.with_link(LINK, distributed=0.0, widest=1e-6), lively, 1e-3)
+    np.testing.assert_array_equal(wide, plain)
+    absent = simulate(paper, lively, 1e-3)
+    errors = []
+    for share in (1e-3, 1e-6):
+        found = simulate(paper.with_link(LINK, distributed=share), lively, 1e-3)
+        errors.append(np.max(np.abs(found - plain)) / np.max(np.abs(absent - plain)))
+    assert errors[0] < 0.02
+    assert errors[1] < 2e-3 * errors[0]
+
+
+@pytest.mark.parametrize(
+    ("rig", "alpha", "tolerance"),
+    [("paper", 0.1, 0.02), ("slow", 0.1, 5e-3)],
+)
+def test_slipping_bit_by_bit_it_meets_an_integrator(
+    rig: str,
+    alpha: float,
+    tolerance: float,
+    agreement: Callable[..., list[float]],
+    request: pytest.FixtureRequest,
+) -> None:
+    model: Model = request.getfixturevalue(rig)
+    beta, gamma, distributed = 2e5, 1e5, 0.7
+    alpha *= model.value("second_order", "k")
+    values = {"alpha": alpha, "beta": beta, "gamma": gamma}
+    values |= {"distributed": distributed, "widest": 1.5e-5}
+    limits = 1.5e-5 * (np.arange(ELEMENTS) + 0.5) / ELEMENTS
+    bit = alpha * distributed / ELEMENTS
+
+    def force(x: float, v: float, own: Array) -> tuple[float, list[float]]:
+        z, pulls = own[0], own[1:]
+        slips = (np.abs(pulls) >= bit * limits) & (pulls * v > 0.0)
+        fading = beta * abs(v) * z + gamma * v * abs(z)
+        rates = [alpha * (1.0 - distributed) * v - fading, *np.where(slips, 0.0, bit * v)]
+        return -float(np.sum(own)), rates
+
+    assert max(agreement(model, LINK, values, force, 1 + ELEMENTS)) < tolerance
+
+
+def test_streaming_is_batch_while_it_slips(
+    slow: Model, lively: Array, streamed: Callable[[Model, Array, float], Array]
+) -> None:
+    model = slow.with_link(LINK, alpha=3e4, distributed=0.8, widest=1.5e-5)
+    np.testing.assert_array_equal(streamed(model, lively, 1e-3), simulate(model, lively, 1e-3))
+
+
+def test_a_planted_slip_is_found(
+    paper: Model, lively: Array, recover: Callable[..., tuple[Array, Array]]
+) -> None:
+    truth = np.array([8e6, 1.4e-5])
+    rig = paper.with_link(LINK, alpha=truth[0], distributed=1.0, widest=truth[1])
+    start = {"alpha": 5e6, "widest": 1e-5}
+    found, errors = recover(rig, LINK, start, lively, 1e-3)
+    assert np.all(np.abs(found - truth) < 4.0 * errors)
+    assert np.all(errors < 0.1 * truth)
+
+
+def test_it_says_how_far_it_remembers() -> None:
+    scales = Scales(1e-3, 10.0, (0.0, 160.0), 1e3, (0.0, 2e-5), 5e7)
+    says = link_named(LINK).says
+    assert says is not None
+    values = {"alpha": 2e6, "beta": 1e5, "gamma": 2e4, "n": 1.0, "widest": 1e-5}
+    assert says(values | {"distributed": 0.0}, scales).endswith("moved about 8.3 µm")
+    assert says(values | {"distributed": 1.0}, scales).endswith("moved about 20 µm")
