@@ -1,11 +1,15 @@
 """Hysteresis that widens with the rate of the voltage, about as its logarithm.
 
-    w_r = w - strength log10(1 + r/reference) h,        memory r' = |u'| - r
+    w_r = w - f h - e,    f = strength log10((reference + r) / (reference + pivot)),
+    r' = (|u'| - r) / memory,    e' = -fed f' h - (beta |u'| + gamma u' sgn h) e
 
-The paper's h, which is what the loop is made of, is scaled by a rate r that forgets the past within
-`memory`: a short one follows u' through the cycle, a long one scales the loop as a whole. Far above
-`reference` each decade of the rate adds the share `strength`, far below the loop is the paper's. A
-jump of a held voltage counts as its height, spread over `memory`.
+h is the paper's, which is what the loop is made of; the rate r forgets the past within `memory`.
+With fed = 0 the loop is scaled at once. With fed = 1 the material remembers at what rate it was
+driven: where beta and gamma are those of h, f h + e is a second Bouc-Wen variable with n = 1 that
+is fed f times as much as h. Far above `reference` each decade of the rate adds the share
+`strength`; at the rate `pivot` the loop is the paper's, which has been like that all the time
+before a run begins. A jump of a held voltage counts as its height, spread over `memory`, and finds
+r there already.
 """
 
 import math
@@ -22,33 +26,66 @@ from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Val
 
 @compiled
 def kernel(coefficients: Array, state: Array, bus: Array) -> None:
-    """State: the voltage so far and r."""
+    """State: the voltage so far, r, h, f, e.
+
+    A row: decay of r, what |change| of the voltage adds to r at once and on the way, 1 / reference,
+    strength / ln 10, the f at rest, fed, beta, gamma.
+    """
     steps = coefficients.shape[0]
-    u, rate = state[0], state[1]
+    u, rate, h, f, e = state[0], state[1], state[2], state[3], state[4]
     for j in range(bus.shape[1]):
         c = coefficients[j % steps]
-        rate = c[0] * rate + c[1] * abs(bus[VOLTAGE, j] - u)
+        du, new = bus[VOLTAGE, j] - u, bus[HYSTERESIS, j]
         u = bus[VOLTAGE, j]
-        bus[FREE, j] -= c[2] * math.log1p(rate * c[3]) * bus[HYSTERESIS, j]
-    state[0], state[1] = u, rate
+        way = abs(du)
+        kept = math.exp(-(c[7] * way + (c[8] * du if h + new >= 0.0 else -c[8] * du)))
+        if c[1] > 0.0:  # held: first the rate jumps, then the voltage, and then the rate decays
+            rate += c[1] * way
+            jumped = c[5] + c[4] * math.log1p(rate * c[3])
+            e = kept * (e - c[6] * (jumped - f) * h)
+            f, middle = jumped, new
+        else:
+            e *= kept
+            middle = 0.5 * (h + new) * math.sqrt(kept)
+        rate = c[0] * rate + c[2] * way
+        later = c[5] + c[4] * math.log1p(rate * c[3])
+        e -= c[6] * (later - f) * middle
+        h, f = new, later
+        bus[FREE, j] -= f * h + e
+    state[0], state[1], state[2], state[3], state[4] = u, rate, h, f, e
 
 
 def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     """The levels are left alone: at rest the rate is zero."""
     memory, steps = values["memory"], np.array(timing.steps)
-    decay = np.exp(-steps / memory)
-    # From |change| of the voltage to r at the end: a constant rate, or an impulse at the start.
-    gain = -np.expm1(-steps / memory) / steps if timing.ramped else decay / memory
-    share = np.full(len(steps), values["strength"] / math.log(10.0))
-    rows = np.column_stack([decay, gain, share, np.full(len(steps), 1.0 / values["reference"])])
-    return Prepared(rows, np.array([levels[VOLTAGE], 0.0]), timing.ramped)
+    share = values["strength"] / math.log(10.0)
+    resting = -share * math.log1p(values["pivot"] / values["reference"])
+    rows = np.zeros((len(steps), 9))
+    rows[:, 0] = np.exp(-steps / memory)
+    if timing.ramped:
+        rows[:, 2] = -np.expm1(-steps / memory) / steps
+    else:
+        rows[:, 1] = 1.0 / memory
+    rows[:, 3:] = (
+        *(1.0 / values["reference"], share, resting),
+        *(values["fed"], values["beta"], values["gamma"]),
+    )
+    h = levels[HYSTERESIS]
+    state = np.array([levels[VOLTAGE], 0.0, h, resting, -values["fed"] * resting * h])
+    return Prepared(rows, state, timing.ramped)
 
 
 def starts(scales: Scales) -> Sequence[Values]:
-    """Memories from a few samples to the length of a recording."""
+    """Memories from a few samples to the length of a recording; h fed more, and h scaled.
+
+    The pivot lies between slow and fast: the refitted plant is right at rates that it has met.
+    """
     shortest = 3.0 * scales.sample_period
+    pivot = {"pivot": math.sqrt(scales.rate * scales.swing / scales.duration)}
+    fed = {"fed": 1.0, "beta": 2.4 / scales.swing, "gamma": -3.6 / scales.swing}  # as the paper's
     return [
-        {"strength": 0.05, "memory": min(100.0, memory)}
+        {"strength": 0.05, "memory": min(100.0, memory)} | pivot | way
+        for way in (fed, {"fed": 0.0})
         for memory in np.geomspace(shortest, max(scales.duration, 2.0 * shortest), 5)
     ]
 
@@ -68,7 +105,11 @@ LINK = Link(
     parameters=(
         Parameter("strength", "1", 0.1, -1.0, 5.0, "share of h added in a decade of rate", 0.0),
         Parameter("memory", "s", 0.02, 1e-4, 100.0, "over which the rate is averaged"),
+        Parameter("beta", "1/V", 0.0152, -1.0, 100.0, "decay of e with travel, both ways"),
+        Parameter("gamma", "1/V", -0.0227, -100.0, 100.0, "decay of e by direction"),
+        Parameter("fed", "1", 1.0, 0.0, 1.0, "1: h is fed more; 0: it is scaled", fitted=False),
         Parameter("reference", "V/s", 10.0, 1e-6, 1e9, "from where the loop widens", fitted=False),
+        Parameter("pivot", "V/s", 0.0, 0.0, 1e9, "rate of the paper's loop", fitted=False),
     ),
     prepare=prepare,
     kernel=kernel,

@@ -3,8 +3,14 @@
     y = x + sum over n = 1, 2, 3 of a_n sin(n (2 pi frequency t + phase))
 
 The second harmonic comes from rectifiers, the third from saturated iron. Nothing fixes the phase
-that a recording starts with. Predictions therefore leave the link out, and each recording is given
-a sine and a cosine of each harmonic; only the frequency belongs to the rig.
+that a recording starts with, and it does not stay: a grid's frequency wanders by some hundredths of
+a hertz, and what couples it in changes with every load switched. Predictions therefore leave the
+link out, and each recording is given its own slowly changing amplitude and phase of each harmonic,
+
+    sum over k = 0 ... K of (p_nk sin + q_nk cos)(2 pi n frequency t) cos(pi k t / T),
+
+T long: a cosine series, whose ends lie flat, runs better past them and through a tenth that was not
+fitted than a polynomial does. Only the frequency, about which it wanders, belongs to the rig.
 """
 
 import math
@@ -19,6 +25,9 @@ from microgripper_control.core.signals import POSITION, Array, Timing
 from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
 
 AMPLITUDES = ("amplitude", "second", "third")  # of the harmonics 1, 2, 3
+HALF_WAVE = 4.0  # s, about the shortest of an envelope
+UNFOLDED = 0.45  # cycles a sample: the highest harmonic that is looked for beside the fundamental
+MOST_HALF_WAVES = 4  # in a recording: more run away where they are not fitted, and take longer
 
 
 @compiled
@@ -40,18 +49,36 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     return Prepared(np.array([row]), np.zeros(1), timing.ramped)
 
 
+def envelopes(time: Array) -> Array:
+    """How fast amplitudes and phases may change, shape (K + 1, n): half a cosine wave, two, ..."""
+    last = float(time[-1]) if len(time) > 1 else 0.0
+    count = min(MOST_HALF_WAVES, math.ceil(last / HALF_WAVE))
+    course = math.pi * time / (last or 1.0)
+    return np.array([np.cos(k * course) for k in range(count + 1)])
+
+
 def courses(values: Values, time: Array) -> Array:
-    """Sine and cosine of each harmonic, shape (6, n); their weights are amplitudes, m."""
+    """Sine and cosine of each harmonic in each envelope; their weights are amplitudes, m.
+
+    Harmonics that the sampling folds back are left out: they would meet the lower ones there.
+    """
     angle = math.tau * values["frequency"] * time
+    step = float(time[1] - time[0]) if len(time) > 1 else 0.0
     harmonics = range(1, len(AMPLITUDES) + 1)
-    return np.array([wave(n * angle) for n in harmonics for wave in (np.sin, np.cos)])
+    seen = [n for n in harmonics if n == 1 or n * values["frequency"] * step < UNFOLDED]
+    slow = envelopes(time)
+    waves = [wave(n * angle) for n in seen for wave in (np.sin, np.cos)]
+    return np.concatenate([slow * wave for wave in waves])
 
 
 def observed(values: Values, weights: Array, time: Array) -> Values:
-    """Amplitudes, and the phase of the fundamental, from the weights of sines and cosines."""
-    sines, cosines = weights[0::2], weights[1::2]
-    phase = {"phase": math.atan2(cosines[0], sines[0])}
-    return phase | dict(zip(AMPLITUDES, np.hypot(sines, cosines).tolist(), strict=True))
+    """Amplitudes, root mean square over the recording, and the phase that the fundamental has."""
+    slow = envelopes(time)
+    quadratures = weights.reshape(-1, 2, len(slow))
+    sizes = np.zeros(len(AMPLITUDES))
+    sizes[: len(quadratures)] = np.sqrt(np.mean(np.sum((quadratures @ slow) ** 2, axis=1), axis=1))
+    phase = {"phase": math.atan2(quadratures[0, 1, 0], quadratures[0, 0, 0])}
+    return phase | dict(zip(AMPLITUDES, sizes.tolist(), strict=True))
 
 
 def starts(scales: Scales) -> Sequence[Values]:
@@ -68,7 +95,7 @@ LINK = Link(
     stage=Stage.SENSOR,
     order=40,
     title="mains hum",
-    source="Fourier series of a signal with the period of the mains; Ott 2009, chapter 2",
+    source="Fourier series with the period of the mains; Ott 2009, chapter 2; ENTSO-E (wander)",
     sampled=True,
     random=True,
     parameters=(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+import pytest
 from scipy.integrate import solve_ivp
 
 from microgripper_control.core.signals import FREE, HYSTERESIS, ROWS, VOLTAGE, Array, Timing
@@ -14,12 +15,13 @@ from microgripper_control.plant.simulate import Hold, Initial, simulate
 
 LINK = "rate_dependent_hysteresis"
 VALUES = {"strength": 0.2, "memory": 0.03, "reference": 5.0}
+SCALED = VALUES | {"beta": 0.0152, "gamma": -0.0227, "fed": 0.0, "pivot": 0.0}
 
 
-def added(u: Array, h: Array, steps: tuple[float, ...], ramped: bool) -> Array:
+def added(u: Array, h: Array, steps: tuple[float, ...], ramped: bool, **changed: float) -> Array:
     """What the link adds to the free displacement for given u and h."""
     link = link_named(LINK)
-    prepared = link.prepare(VALUES, Timing(sum(steps), steps, ramped), np.zeros(ROWS))
+    prepared = link.prepare(SCALED | changed, Timing(sum(steps), steps, ramped), np.zeros(ROWS))
     bus = np.zeros((ROWS, len(u)))
     bus[VOLTAGE], bus[HYSTERESIS] = u, h
     link.kernel(prepared.coefficients, prepared.state, bus)
@@ -79,11 +81,86 @@ def test_loops_widen_by_the_same_in_each_decade_of_rate(paper: Model) -> None:
     np.testing.assert_allclose(np.diff(widths), 0.2 * width(stiff, 10.0), rtol=0.03)
 
 
-def test_planted_values_are_found(
+def second(paper: Model, u: Array, period: float) -> Array:
+    """A second Bouc-Wen variable that is fed f times as much as h, for a ramped voltage, m."""
+    d, alpha, beta, gamma = (paper.value("bouc_wen", n) for n in ("d", "alpha", "beta", "gamma"))
+    state, found = np.zeros(2), []
+    for du in np.diff(u, prepend=0.0):
+        slope = du / period
+
+        def change(t: float, y: Array, slope: float = float(slope)) -> list[float]:
+            feed = alpha * d * slope
+            f = share(np.array(y[1]))
+            decay = beta * abs(slope) * y[0] + gamma * slope * abs(y[0])
+            return [f * feed - decay, (abs(slope) - y[1]) / VALUES["memory"]]
+
+        state = solve_ivp(change, (0.0, period), state, rtol=1e-9, atol=1e-14).y[:, -1]
+        found.append(state[0])
+    return np.array(found)
+
+
+def test_fed_it_is_a_second_bouc_wen_variable(paper: Model) -> None:
+    """With the beta and gamma of h, on a voltage whose rate changes from cycle to cycle."""
+    period = 1e-3
+    t = period * np.arange(1500)
+    u = 60.0 * np.sin(2.0 * np.pi * (1.0 + 3.0 * t) * t)
+    model = paper.with_link(LINK, **VALUES, fed=1.0, beta=0.0152, gamma=-0.0227)
+    x, plain = (
+        simulate(m, u, period, hold=Hold.FIRST, initial=Initial.REST) for m in (model, paper)
+    )
+    gain = 5e7 / (5e7 + 8.2e5)
+    expected = -gain * second(paper, u, period)
+    np.testing.assert_allclose(x - plain, expected, rtol=0.0, atol=0.01 * np.ptp(expected))
+
+
+def test_fed_it_stays_where_the_voltage_rests() -> None:
+    """What was added at the rate of a jump remains; scaled at once, it goes with the rate."""
+    u = np.append(np.zeros(5), np.full(200, 7.0))
+    h = 0.1 * u
+    fed, scaled = (added(u, h, (1e-3,), False, fed=way) for way in (1.0, 0.0))
+    jump = 0.7 * share(np.array(7.0 / VALUES["memory"]))
+    np.testing.assert_allclose(fed[5:], -jump, rtol=1e-12)
+    assert abs(scaled[-1]) < 0.1 * jump
+
+
+@pytest.mark.parametrize("fed", [0.0, 1.0])
+def test_at_the_pivot_the_loop_is_the_paper_s(fed: float) -> None:
+    u = 50.0 * 1e-3 * np.arange(1, 1001)
+    out = added(u, np.ones(1000), (1e-3,), True, pivot=50.0, fed=fed, beta=1.0, gamma=0.0)
+    np.testing.assert_allclose(out[-1], 0.0, atol=1e-9)
+
+
+def test_how_the_samples_are_called_does_not_matter() -> None:
+    link = link_named(LINK)
+    u = np.random.default_rng(4).normal(size=90).cumsum()
+    values = SCALED | {"fed": 1.0, "pivot": 30.0}
+    whole = np.zeros((ROWS, 90))
+    whole[VOLTAGE], whole[HYSTERESIS] = u, np.sin(u)
+    parts = whole.copy()
+    prepared = link.prepare(values, Timing(1e-3, (1e-3,), False), np.zeros(ROWS))
+    link.kernel(prepared.coefficients, prepared.state.copy(), whole)
+    for start in range(0, 90, 7):
+        link.kernel(prepared.coefficients, prepared.state, parts[:, start : start + 7])
+    np.testing.assert_array_equal(parts, whole)
+
+
+def test_planted_values_of_a_fed_loop_are_found(
+    paper: Model, lively: Array, recover: Callable[..., tuple[Array, Array]]
+) -> None:
+    truth = {"strength": 0.15, "memory": 0.05, "beta": 0.02, "gamma": -0.028}
+    rig = paper.with_link(LINK, **truth, fed=1.0, pivot=100.0)
+    start = {"strength": 0.05, "memory": 0.02, "beta": 0.015, "gamma": -0.0225}
+    found, errors = recover(rig, LINK, start, lively, 1e-3)
+    wanted = np.array(list(truth.values()))
+    assert np.all(np.abs(found - wanted) < 4.0 * errors)
+    assert np.all(errors < 0.2 * np.abs(wanted))
+
+
+def test_planted_values_of_a_scaled_loop_are_found(
     paper: Model, lively: Array, recover: Callable[..., tuple[Array, Array]]
 ) -> None:
     truth = np.array([0.15, 0.05])
-    rig = paper.with_link(LINK, strength=truth[0], memory=truth[1])
+    rig = paper.with_link(LINK, strength=truth[0], memory=truth[1], fed=0.0)
     found, errors = recover(rig, LINK, {"strength": 0.05, "memory": 0.02}, lively, 1e-3)
     assert np.all(np.abs(found - truth) < 4.0 * errors)
     assert np.all(errors < 0.1 * truth)
