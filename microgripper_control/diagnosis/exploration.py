@@ -38,8 +38,8 @@ UNCLOSED = 0.1  # if it is more of the gap than a law leaves that is right but n
 FAIR_PART = 0.12  # of the gap; two independent effects of one size close 0.3 of it each
 RIVAL = 0.7  # of what the best closes: what the second must close to be a leader as well,
 RIVAL_IF_DEAR = 0.9  # and what it must with a force that remembers the way
-REFINED = 4  # explanations of a round that are fitted on with all derivatives fresh,
-NEAR = 3.0  # if they leave less than so many times what the best leaves
+NEAR = 3.0  # times what the best leaves: what leaves less is fitted on, all derivatives fresh,
+REFINED = 4  # but no more than so many where each sample is dear
 GLANCE = 6000  # samples on which it is seen what further forces promise
 ROUGH, POLISHED = 1e-3, 1e-5  # tolerances
 
@@ -110,7 +110,7 @@ def explore(
         if not best or not _unexplained(best, pool) or not _worth_it(pool, size):
             break
         for leader in pool.best(size, BEAM):
-            near = RIVAL_IF_DEAR if any(is_dear(name) for name in leader.effects) else RIVAL
+            near = RIVAL_IF_DEAR if _has_dear(leader) else RIVAL
             follower = _closed(leader, pool) < near * _closed(best[0], pool)
             if follower or not _unexplained(pool.best(size + 1, 1) or best, pool):
                 continue
@@ -232,11 +232,19 @@ def _round(
     best = sorted((t for t in found if t.free != before.free), key=lambda t: t.fitted_rmse)
     if not best or not _unexplained([before], pool):
         return
-    near = [t for t in best if t.fitted_rmse < NEAR * best[0].fitted_rmse]
-    dear = [t for t in near if any(is_dear(name) for name in t.effects)][:REFINED]
-    near = [t for t in near if t in dear or not any(is_dear(name) for name in t.effects)]
     progress("the best of them", 0, 1)
-    yield from side_by_side(polish, [(evidence, trial) for trial in near], jobs)
+    yield from side_by_side(polish, [(evidence, trial) for trial in _going_on(best)], jobs)
+
+
+def _going_on(best: Sequence[Trial]) -> list[Trial]:
+    """Those near the first, the best; of those that are dear to simulate a few."""
+    near = [trial for trial in best if trial.fitted_rmse < NEAR * best[0].fitted_rmse]
+    cheap = [trial for trial in near if not _has_dear(trial)]
+    return [*cheap, *[trial for trial in near if _has_dear(trial)][:REFINED]]
+
+
+def _has_dear(trial: Trial) -> bool:
+    return any(is_dear(name) for name in trial.effects)
 
 
 def polish(evidence: Evidence, trial: Trial) -> Trial:

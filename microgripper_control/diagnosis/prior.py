@@ -35,7 +35,8 @@ class Prior:
     def rows(self, z: Array) -> Array:
         """m, one for each parameter that the nominal model has."""
         share = z[self._known] * self._per_unit
-        rows: Array = self._weight * np.where(share > 1.0, np.log(np.maximum(share, 1.0)), share - 1)
+        far = np.log(np.maximum(share, 1.0))
+        rows: Array = self._weight * np.where(share > 1.0, far, share - 1.0)
         return rows
 
     def jacobian(self, z: Array) -> Array:

@@ -1,0 +1,96 @@
+"""The nominal model counts as one measurement of its own parameters, and no more."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from microgripper_control.core.recording import Recording
+from microgripper_control.core.signals import Array
+from microgripper_control.diagnosis.evidence import Evidence
+from microgripper_control.diagnosis.prior import Prior
+from microgripper_control.diagnosis.refit import nominal_trial
+from microgripper_control.diagnosis.trial import refine
+from microgripper_control.identification.nuisance import Conditions
+from microgripper_control.identification.problem import Problem
+from microgripper_control.plant.model import Model
+from microgripper_control.plant.model_file import load_model
+from microgripper_control.plant.simulate import Initial, simulate
+
+PERIOD, NOISE = 1e-3, 15e-9
+KEYS = tuple(("bouc_wen", name) for name in ("d", "alpha", "beta", "gamma"))
+
+
+@pytest.fixture(scope="module")
+def paper() -> Model:
+    return load_model(Path(__file__).parents[2] / "config" / "apa120s.yaml")
+
+
+def record(rig: Model, voltage: Array) -> Recording:
+    noise = NOISE * np.random.default_rng(11).standard_normal(len(voltage))
+    return Recording("given", PERIOD, voltage, simulate(rig, voltage, PERIOD) + noise)
+
+
+def ramp(volts: float) -> Array:
+    return np.linspace(0.0, volts, 4000)
+
+
+def problem(paper: Model) -> Problem:
+    recording = record(paper, ramp(5.0))
+    return Problem(paper, [recording], Conditions(initial=Initial.REST), KEYS)
+
+
+def at(paper: Model, **factors: float) -> Array:
+    changed = {("bouc_wen", n): f * paper.value("bouc_wen", n) for n, f in factors.items()}
+    return problem(paper).point(paper.with_values(changed), (0.0,))
+
+
+def test_a_factor_of_e_is_one_standard_deviation(paper: Model) -> None:
+    """White residuals are independent: the weight is their rms, to the error of tau."""
+    white = np.random.default_rng(2).normal(0.0, 3e-8, 20000)
+    prior = Prior(paper, problem(paper), white)
+    np.testing.assert_array_equal(prior.rows(at(paper)), 0.0)
+    rows = prior.rows(at(paper, d=np.e, gamma=-1.0, beta=0.25))
+    np.testing.assert_allclose(rows, 3e-8 * np.array([1.0, 0.0, -0.75, -2.0]), rtol=0.06)
+
+
+def test_correlated_residuals_count_as_few_samples(paper: Model) -> None:
+    """Each value 25 times over: 25 samples are one, so a row weighs as 25 residuals."""
+    values = np.random.default_rng(3).normal(0.0, 3e-8, 2000)
+    point = at(paper, d=np.e)
+    once = Prior(paper, problem(paper), values).rows(point)[0]
+    often = Prior(paper, problem(paper), np.repeat(values, 25)).rows(point)[0]
+    assert often / once == pytest.approx(5.0, rel=0.1)
+
+
+def test_the_derivative_is_that_of_the_rows(paper: Model) -> None:
+    prior = Prior(paper, problem(paper), np.random.default_rng(4).normal(0.0, 1e-8, 500))
+    point = at(paper, d=1.3, alpha=0.4, beta=-0.5, gamma=2.0)
+    step = 1e-6
+    differences = [
+        (prior.rows(point + step * unit) - prior.rows(point - step * unit)) / (2.0 * step)
+        for unit in np.eye(len(point))
+    ]
+    np.testing.assert_allclose(prior.jacobian(point), np.transpose(differences), rtol=1e-6)
+
+
+def test_what_a_recording_does_not_tell_stays_as_the_model_has_it(paper: Model) -> None:
+    """A short ramp shows one slope: a fit that begins far off returns."""
+    evidence = Evidence.gather([record(paper, ramp(5.0))], [], Conditions(), paper)
+    start = nominal_trial(evidence, paper.with_values({("bouc_wen", "alpha"): 0.4}))
+    found = refine(evidence, start)
+    assert found.fitted_rmse == pytest.approx(NOISE, rel=0.05)
+    assert found.model.value("bouc_wen", "alpha") == pytest.approx(0.0801, rel=0.2)
+
+
+def test_what_it_tells_is_believed(paper: Model) -> None:
+    """A parameter three times its nominal value, on loops that show it, comes out as it is."""
+    rig = paper.with_values({("bouc_wen", "alpha"): 0.24})
+    loops = 70.0 * (1.0 - np.cos(2.0 * np.pi * PERIOD * np.arange(6000)))
+    recording = record(rig, loops * np.linspace(1.0, 0.3, 6000))
+    evidence = Evidence.gather([recording], [], Conditions(), paper)
+    found = refine(evidence, nominal_trial(evidence, paper))
+    assert found.model.value("bouc_wen", "alpha") == pytest.approx(0.24, rel=0.01)
+    assert found.fitted_rmse == pytest.approx(NOISE, rel=0.05)
