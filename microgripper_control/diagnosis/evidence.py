@@ -32,6 +32,7 @@ from microgripper_control.plant.model import Model
 GAP = 0.05  # of a block, on each side of a judged one
 MOST_PIECES = 5  # of a recording that is too long
 LONG_PIECE, SHORTEST_PIECE = 5000, 1000  # samples
+LEAD_IN = 0.2  # of a piece that does not begin with its recording
 MOST = 300_000  # samples that explanations are tried on; each costs hundreds of simulations
 
 
@@ -78,11 +79,14 @@ class Evidence:
 
         Of longer recordings stretches are kept, each as a recording of its own.
         """
-        fitted = _thinned(self.fitted, most, self.separate)
-        judged = _thinned(self.judged, most, True) if self.separate else fitted
+        fitted, leads = _thinned(self.fitted, most, self.separate)
+        judged = _thinned(self.judged, most, True)[0] if self.separate else fitted
         if fitted is self.fitted and judged is self.judged:
             return self
         used = _used(fitted, self.separate)
+        if self.separate:
+            for mask, lead in zip(used, leads, strict=True):
+                mask[:lead] = False
         return replace(self, fitted=fitted, used=used, judged=judged)
 
     def settled(self) -> Evidence:
@@ -128,12 +132,22 @@ def _fitted_blocks(length: int) -> Mask:
     return fitted
 
 
-def _thinned(recordings: tuple[Recording, ...], most: int, anywhere: bool) -> tuple[Recording, ...]:
-    """The recordings themselves if they have no more than `most` samples, else pieces of them."""
+def _thinned(
+    recordings: tuple[Recording, ...], most: int, anywhere: bool
+) -> tuple[tuple[Recording, ...], tuple[int, ...]]:
+    """The recordings themselves if they have no more than `most` samples, else pieces of them.
+
+    Also, of each, how many samples only show what a force remembers when the others begin.
+    """
     total = sum(len(recording) for recording in recordings)
     if total <= most:
-        return recordings
-    return tuple(piece for r in recordings for piece in _pieces(r, most, total, anywhere))
+        return recordings, (0,) * len(recordings)
+    pieces = [
+        (piece, int(LEAD_IN * len(piece)) if piece.start > recording.start else 0)
+        for recording in recordings
+        for piece in _pieces(recording, most, total, anywhere)
+    ]
+    return tuple(piece for piece, _ in pieces), tuple(lead for _, lead in pieces)
 
 
 def _pieces(recording: Recording, most: int, total: int, anywhere: bool) -> Iterator[Recording]:

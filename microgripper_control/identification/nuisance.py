@@ -3,12 +3,13 @@
 No input explains a recording's displacement zero, the h it starts with, the phase of a hum or the
 course of a drift, so they are fitted wherever a model is compared with a recording. All but the
 initial h enter linearly, as weights of known courses, and are solved for exactly; the initial h is
-found by a few Gauss-Newton steps.
+looked for over all of its range and refined by a few Gauss-Newton steps.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +23,9 @@ from microgripper_control.plant.simulate import Hold, Initial, simulate
 Mask = NDArray[np.bool_]
 
 BLOCKS = 10
-GAUSS_NEWTON_STEPS = 4
+LOOKS = 9  # at the initial h, all over its range,
+GAUSS_NEWTON_STEPS = 4  # from the best of them
+WAYS = (1.0, 0.3)  # shares of such a step that are tried
 PROBE = 1e-3  # of the largest h: the finite difference for its influence
 
 
@@ -134,22 +137,45 @@ def fit_nuisance(
         mask &= used
     shapes = courses(model, recording)[:, mask]
     without = Projection.off(shapes)
-    found = Nuisance()
+
+    def left(h: float) -> Array:
+        error: Array = recording.measured - response(model, recording, conditions, h)
+        return error[mask]
+
     bound = largest_hysteresis(model, recording)
-    if not conditions.knows_initial_hysteresis and bound > 0.0:
-        for _ in range(GAUSS_NEWTON_STEPS):
-            h = found.initial_hysteresis
-            base = response(model, recording, conditions, h)
-            probe = PROBE * bound
-            moved = response(model, recording, conditions, h + probe)
-            slope = without((moved - base)[mask]) / probe
-            error = without((recording.measured - base)[mask])
-            power = float(slope @ slope)
-            step = float(slope @ error) / power if power > 0.0 else 0.0
-            found = replace(found, initial_hysteresis=min(bound, max(-bound, h + step)))
-    base = response(model, recording, conditions, found.initial_hysteresis)
-    weights, *_ = np.linalg.lstsq(shapes.T, (recording.measured - base)[mask], rcond=None)
-    return replace(found, weights=tuple(map(float, weights)))
+    known = conditions.knows_initial_hysteresis or bound <= 0.0
+    h = 0.0 if known else _fit_hysteresis(lambda h: without(left(h)), bound)
+    weights, *_ = np.linalg.lstsq(shapes.T, left(h), rcond=None)
+    return Nuisance(h, tuple(map(float, weights)))
+
+
+def _fit_hysteresis(left: Callable[[float], Array], bound: float) -> float:
+    """The initial h, m, within +-bound that leaves the least squares.
+
+    They may have a minimum on each side of zero, so all of the range is looked at first.
+    """
+
+    def squares(error: Array) -> float:
+        return float(error @ error)
+
+    h, error = min(
+        ((float(h), left(float(h))) for h in np.linspace(-bound, bound, LOOKS)),
+        key=lambda pair: squares(pair[1]),
+    )
+    for _ in range(GAUSS_NEWTON_STEPS):
+        probe = PROBE * bound if h < 0.0 else -PROBE * bound  # stays within the bound
+        slope = (left(h + probe) - error) / probe
+        power = squares(slope)
+        step = -float(slope @ error) / power if power > 0.0 else 0.0
+        for share in WAYS:
+            nearer = min(bound, max(-bound, h + share * step))
+            rest = left(nearer)
+            if squares(rest) < squares(error):
+                h, error = nearer, rest
+                break
+        else:
+            return h
+    return h
 
 
 def blocks(length: int, odd: bool) -> Mask:
