@@ -39,7 +39,8 @@ FAIR_PART = 0.12  # of the gap; two independent effects of one size close 0.3 of
 RIVAL = 0.7  # of what the best closes: what the second must close to be a leader as well,
 RIVAL_IF_DEAR = 0.9  # and what it must with a force that remembers the way
 NEAR = 3.0  # times what the best leaves: what leaves less is fitted on, all derivatives fresh,
-REFINED = 4  # but no more than so many where each sample is dear
+FEW = 2  # but no more than so many where each sample is dear
+LEADERS = 4  # explanations by one effect that are fitted again on settled evidence
 GLANCE = 6000  # samples on which it is seen what further forces promise
 ROUGH, POLISHED = 1e-3, 1e-5  # tolerances
 
@@ -140,7 +141,7 @@ def _settled(pool: Pool) -> Pool:
         refine(evidence, pool.refit, ROUGH, 12),
         failures=pool.failures,
     )
-    leaders = pool.best(1, REFINED)
+    leaders = pool.best(1, LEADERS)
     for effects, trial in pool.tried.items():
         fit_on = trial in leaders and not any(is_chosen(name) for name in effects)
         settled.add(polish(evidence, trial) if fit_on else unfitted(evidence, trial))
@@ -240,7 +241,7 @@ def _going_on(best: Sequence[Trial]) -> list[Trial]:
     """Those near the first, the best; of those that are dear to simulate a few."""
     near = [trial for trial in best if trial.fitted_rmse < NEAR * best[0].fitted_rmse]
     cheap = [trial for trial in near if not _has_dear(trial)]
-    return [*cheap, *[trial for trial in near if _has_dear(trial)][:REFINED]]
+    return [*cheap, *[trial for trial in near if _has_dear(trial)][:FEW]]
 
 
 def _has_dear(trial: Trial) -> bool:

@@ -80,12 +80,14 @@ class Base:
 
 
 def fitted_keys(model: Model, links: Sequence[str]) -> tuple[Key, ...]:
-    """What a trial fits of some links: all that can be fitted and is not frozen."""
+    """What a trial fits of some links: all that can be fitted, is not frozen and not idle."""
     return tuple(
         (link, name)
         for link in links
         for name, setting in model.settings[link].items()
-        if registry()[link].parameter(name).fitted and not setting.frozen
+        if registry()[link].parameter(name).fitted
+        and not setting.frozen
+        and name not in registry()[link].idle(model.values(link))
     )
 
 

@@ -9,7 +9,7 @@ other file has to change.
 from __future__ import annotations
 
 import enum
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -130,6 +130,15 @@ def as_declared(scales: Scales) -> Mapping[str, tuple[float, float]]:
     return {}
 
 
+# idle(values): names of parameters that change nothing as long as those that are not fitted stay.
+Idle = Callable[[Values], Collection[str]]
+
+
+def none_idle(values: Values) -> Collection[str]:
+    """A link that answers to each of its parameters."""
+    return ()
+
+
 def no_part_of_its_own(values: Values, timing: Timing, levels: Array) -> Prepared:
     """A force has no place on the bus: it acts inside the mechanics' solve."""
     return Prepared(np.zeros((1, 0)), np.zeros(0), timing.ramped)
@@ -205,6 +214,7 @@ class Link:
     observed: Observed = nothing_observed
     starts: Starts = no_starts
     plausible: Plausible = as_declared
+    idle: Idle = none_idle
     says: Says | None = None  # the title does without
     nominal: bool = False  # part of the paper's plant, always there
     follows: bool = False  # the course between the samples matters to it

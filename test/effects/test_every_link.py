@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from microgripper_control.core.signals import Array
-from microgripper_control.effects.base import Link
+from microgripper_control.effects.base import Link, Scales
 from microgripper_control.effects.registry import registry
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.simulate import Hold, Initial, simulate
@@ -50,6 +50,19 @@ def test_nearly_off_is_nearly_absent(link: Link, slow: Model, lively: Array) -> 
         errors.append(np.max(np.abs(simulate(model, lively, PERIOD, random=True) - absent)))
     assert errors[1] <= max(0.1 * errors[0], 1e-9 * STROKE)
     assert errors[1] < 1e-4 * STROKE
+
+
+@every_link
+def test_an_idle_parameter_changes_nothing(link: Link, paper: Model, lively: Array) -> None:
+    scales = Scales(PERIOD, 10.0, (0.0, 150.0), 1e4, (0.0, STROKE), 5e7)
+    for values in link.starts(scales):
+        model = paper.with_link(link.name, **values)
+        expected = simulate(model, lively, PERIOD)
+        for name in link.idle(model.values(link.name)):
+            half = {(link.name, name): 0.5 * model.value(link.name, name)}
+            np.testing.assert_array_equal(
+                simulate(model.with_values(half), lively, PERIOD), expected
+            )
 
 
 @every_link

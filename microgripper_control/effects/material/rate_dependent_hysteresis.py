@@ -13,7 +13,7 @@ r there already.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -90,6 +90,11 @@ def starts(scales: Scales) -> Sequence[Values]:
     ]
 
 
+def idle(values: Values) -> Collection[str]:
+    """What is not fed does not decay."""
+    return () if values["fed"] else ("beta", "gamma")
+
+
 def says(values: Values, scales: Scales) -> str:
     way = "widens" if values["strength"] >= 0.0 else "narrows"
     share = percent(abs(values["strength"]))
@@ -114,5 +119,6 @@ LINK = Link(
     prepare=prepare,
     kernel=kernel,
     starts=starts,
+    idle=idle,
     says=says,
 )

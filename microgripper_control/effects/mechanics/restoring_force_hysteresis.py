@@ -15,7 +15,7 @@ within 2 to 9 % of slip distances that are spread by a power law with exponents 
 (Segalman), of what these leave of a straight line, and within 4 % together with the first.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import percent, quantity
@@ -76,6 +76,12 @@ def starts(scales: Scales) -> Sequence[Values]:
     return [*saturating, *slipping]
 
 
+def idle(values: Values) -> Collection[str]:
+    """Of a part that has no share."""
+    without = {0.0: ("widest",), 1.0: ("beta", "gamma")}
+    return without.get(values["distributed"], ())
+
+
 def says(values: Values, scales: Scales) -> str:
     decay = max(abs(values["beta"] + values["gamma"]), abs(values["beta"] - values["gamma"]))
     distributed = values["distributed"]
@@ -110,5 +116,6 @@ LINK = Link(
         Parameter("widest", "m", 1e-5, 1e-9, 1.0, "distance at which the last bit slips"),
     ),
     starts=starts,
+    idle=idle,
     says=says,
 )
