@@ -21,6 +21,18 @@ JOINT_STATE = "sensor_msgs/msg/JointState"
 FLOAT64 = "std_msgs/msg/Float64"
 COUNT = 40
 PERIOD = 10**6  # ns
+# What a publisher offers, as metadata.yaml keeps it; `{}` is the reliability.
+QUALITY = """\
+- history: keep_last
+  depth: 10
+  reliability: {}
+  durability: transient_local
+  deadline: {{sec: 0, nsec: 0}}
+  lifespan: {{sec: 0, nsec: 0}}
+  liveliness: automatic
+  liveliness_lease_duration: {{sec: 0, nsec: 0}}
+  avoid_ros_namespace_conventions: false
+"""
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from bag_messages import FLOAT64, STORE
+from bag_messages import FLOAT64, QUALITY, STORE
 from bags_to_break import (
     COUNT,
     RECORDING,
@@ -34,17 +34,7 @@ from microgripper_control.recordings.write import write_bag
 TOPICS = ("/microgripper/joint_states", "/microgripper/setpoint")
 ONE = bytes(STORE.serialize_cdr(STORE.types[FLOAT64](1.0), FLOAT64))
 DEFINITION = f"float64 a\nmy_rig/In in\n{80 * '='}\nMSG: my_rig/In\nint32 b\n"
-QOS = """\
-- history: keep_last
-  depth: 10
-  reliability: best_effort
-  durability: transient_local
-  deadline: {sec: 0, nsec: 0}
-  lifespan: {sec: 0, nsec: 0}
-  liveliness: automatic
-  liveliness_lease_duration: {sec: 0, nsec: 0}
-  avoid_ros_namespace_conventions: false
-"""
+QOS = QUALITY.format("best_effort")
 
 
 @pytest.fixture(scope="module", params=STORAGES)

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from bag_messages import QUALITY
 from rosbags.highlevel import AnyReader
 
 from microgripper_control.core.errors import MicrogripperError
@@ -17,17 +18,7 @@ from microgripper_control.recordings.write import write_bag
 COUNT = 20
 FLOAT64 = "std_msgs/msg/Float64"
 ONE = b"\0\1\0\0" + np.float64(1.0).tobytes()
-QOS = """\
-- history: keep_last
-  depth: 10
-  reliability: reliable
-  durability: transient_local
-  deadline: {sec: 0, nsec: 0}
-  lifespan: {sec: 0, nsec: 0}
-  liveliness: automatic
-  liveliness_lease_duration: {sec: 0, nsec: 0}
-  avoid_ros_namespace_conventions: false
-"""
+QOS = QUALITY.format("reliable")
 
 
 @pytest.mark.parametrize("storage", STORAGES)

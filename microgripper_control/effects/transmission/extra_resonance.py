@@ -58,7 +58,7 @@ def starts(scales: Scales) -> Sequence[Values]:
 
 def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
     """A mode has a peak, in the band that the samples show; else it would pass for any lag."""
-    return {"damping": (1e-4, 0.3), "frequency": (1.0, 0.5 / scales.sample_period)}
+    return {"damping": (1e-4, 0.15), "frequency": (1.0, 0.5 / scales.sample_period)}
 
 
 def says(values: Values, scales: Scales) -> str:
