@@ -31,8 +31,8 @@ from microgripper_control.effects.registry import registry
 STARTS = 2  # best first guesses that are fitted
 MOST_EFFECTS = 3
 BEAM = 2  # explanations that a further effect is added to
-SECONDS = 5  # further effects that are fitted, the most promising,
-RUNNERS_UP = 3  # among them those that explain most by themselves
+SECONDS, SECONDS_IF_DEAR = 5, 3  # further effects that are fitted, the most promising,
+RUNNERS_UP = 2  # among them those that explain most by themselves
 UNEXPLAINED = 0.3  # of the noise floor: a structured rest above it asks for another effect,
 UNCLOSED = 0.1  # if it is more of the gap than a law leaves that is right but not the rig's own
 FAIR_PART = 0.12  # of the gap; two independent effects of one size close 0.3 of it each
@@ -110,6 +110,8 @@ def explore(
         best = pool.best(size, 1)
         if not best or not _unexplained(best, pool) or not _worth_it(pool, size):
             break
+        if size > 1 and _has_dear(best[0]):
+            break  # a third effect beside such a force would take minutes
         for leader in pool.best(size, BEAM):
             near = RIVAL_IF_DEAR if _has_dear(leader) else RIVAL
             follower = _closed(leader, pool) < near * _closed(best[0], pool)
@@ -119,7 +121,8 @@ def explore(
             pool.add(leader)
             rest = [name for name in fitted if name not in leader.effects]
             bases = [base_of(evidence, leader)]
-            for trial in _round(evidence, bases, rest, SECONDS, pool, progress, jobs):
+            most = SECONDS_IF_DEAR if _has_dear(leader) else SECONDS
+            for trial in _round(evidence, bases, rest, most, pool, progress, jobs):
                 pool.add(trial)
     _check_backwards(evidence, pool)
     _add_chosen(evidence, pool, names)

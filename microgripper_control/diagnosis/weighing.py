@@ -101,16 +101,16 @@ def _explained(effects: Explanation, trial: Trial, pool: Pool) -> Left:
     """What an explanation leaves.
 
     A grid of step q explains readings that lie on it without predicting them better: under noise
-    the rounded prediction is often worse. So it counts as taking away the variance of rounding,
-    q^2 / 12, from what its other effects leave.
+    the rounded prediction is often worse. So it counts as taking away from what its other effects
+    leave the variance of rounding, q^2 / 12, and that of a grid that is bowed as far as they are.
     """
     rounding = [name for name in effects if is_chosen(name)]
     if not rounding:
         return _left(trial)
     rest = _left(pool.tried.get(effects - frozenset(rounding), pool.refit))
     step = max(trial.model.value(name, "resolution") for name in rounding)
-    squares = np.maximum(np.square(rest) - step**2 / 12.0, 0.0) + (BOWED * step) ** 2
-    return Left(*(float(left) for left in np.minimum(np.sqrt(squares), rest)))
+    squares = np.maximum(np.square(rest) - (1.0 / 12.0 + BOWED**2) * step**2, 0.0)
+    return Left(*np.sqrt(squares).tolist())
 
 
 def weigh(facts: Facts, weights: Weights = CALIBRATED) -> dict[Explanation, float]:

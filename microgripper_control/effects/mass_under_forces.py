@@ -26,7 +26,7 @@ import numpy as np
 from scipy.linalg import expm
 
 from microgripper_control.core.compiled import address_of
-from microgripper_control.core.signals import FREE, POSITION, Array, Timing
+from microgripper_control.core.signals import FREE, HYSTERESIS, POSITION, Array, Timing
 from microgripper_control.effects import force_balance as layout
 from microgripper_control.effects.base import Load, Prepared, Values
 
@@ -40,10 +40,14 @@ DIED_AWAY = 5.0  # time constants after which the rest of the ringing does not m
 RUNG = 1.25  # omega is rounded to powers of this where substeps are counted
 MOST_SUBSTEPS = 1000
 FOREVER = 1e9  # s
+WAY = 10.0  # way of w since it turned, over h: one over the alpha of a piezo, about
 
 
 def prepare(values: Values, timing: Timing, levels: Array, loads: Sequence[Load]) -> Prepared:
-    """As `second_order.prepare`. At rest the mass has come slowly and one way from x = 0."""
+    """As `second_order.prepare`. At rest the mass has come slowly and one way from x = 0.
+
+    If h has not the sign of the voltage, it has come back from the other side.
+    """
     carried = sum(force.states for force, _ in loads)
     laws = [_row([len(loads), carried])]
     for force, given in loads:
@@ -55,10 +59,13 @@ def prepare(values: Values, timing: Timing, levels: Array, loads: Sequence[Load]
         spans = _division(values, omega, step, timing.ramped, carried > 0)
         substeps += _substeps(values, omega, step, spans, timing.ramped)
     state = np.zeros(layout.CARRIED + 2 * carried)
-    rest = np.zeros((len(levels), 2))  # the second time it only refines
+    rest = np.zeros((len(levels), 3))  # the last time it only refines
     rest[FREE] = levels[FREE]
+    h = levels[HYSTERESIS]
+    if h * (levels[FREE] + h) <= 0.0:
+        rest[FREE, 0] -= WAY * h
     layout.kernel(np.array([*laws, _rest(values)]), state, rest)
-    levels[POSITION] = rest[POSITION, 1]
+    levels[POSITION] = rest[POSITION, 2]
     return Prepared(np.array([*laws, *substeps]), state, ramped=True)
 
 
