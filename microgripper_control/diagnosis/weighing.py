@@ -45,14 +45,14 @@ class Weights:
     """What the weighing was calibrated to; all in natural logarithms of odds or shares."""
 
     least: float = 7.0  # independent samples that count, however few they seem,
-    most: float = 28.0  # and however many
+    most: float = 20.0  # and however many
     fitted: float = 1.0  # weight of the fitted samples beside the judging ones
-    mismatch: float = 0.2
-    unknown_rest: float = 0.3
-    effect: float = 4.9
-    further: float = 3.0
-    unknown: float = 4.5
-    none: float = 3.6  # in favour of the model as it was given
+    mismatch: float = 0.3
+    unknown_rest: float = 0.4
+    effect: float = 6.0
+    further: float = 2.5
+    unknown: float = 4.0
+    none: float = 3.7  # in favour of the model as it was given
     agrees: float = 0.8  # for an effect whose signature is there
     contradicts: float = 1.5  # against one whose signature should be there and is not
 
