@@ -123,15 +123,40 @@ def test_straight_voltages(n: float, voltage: Array, tolerance: float) -> None:
 
 
 @with_any_n
-@pytest.mark.parametrize(("speed", "tolerance"), [(1.0, AGREEMENT), (10.0, 10.0 * AGREEMENT)])
+@pytest.mark.parametrize(("speed", "tolerance"), [(1.0, AGREEMENT), (10.0, 50.0 * AGREEMENT)])
 def test_bandlimited_voltages(n: float, speed: float, tolerance: float) -> None:
-    """Samples of a smooth voltage against the voltage itself: 2 and 5 Hz, 20 and 50 Hz."""
+    """Samples of a smooth voltage against the voltage itself: 2 and 5 Hz, 20 and 50 Hz.
+
+    Its corners lie off the voltage by some 1e-5 where it turns fast, and h remembers how far.
+    """
     times = PERIOD * np.arange(160)
     voltage = np.array([smooth(t, speed)(0.0)[0] for t in times])
     expected = integrated(rig(n), [(PERIOD, smooth(t, speed)) for t in times[:-1]])
     found = simulate(rig(n), voltage, PERIOD, hold=Hold.BANDLIMITED)
     inner = slice(0, -8)  # beyond the record nobody knows how the voltage ran on
     np.testing.assert_allclose(found[1:][inner], expected[inner], rtol=0.0, atol=tolerance)
+
+
+@pytest.mark.parametrize("frequency", [20.0, 60.0, 150.0])
+def test_a_slow_oscillator_answers_a_bandlimited_sine_as_its_transfer_function_says(
+    paper: Model, frequency: float
+) -> None:
+    """The public Bouc-Wen benchmark's mass and spring, well damped, at its 750 Hz."""
+    mechanics = {"m": 2.0, "b": 100.0, "k": 5e4, "k_s": 0.0}
+    values = {("second_order", name): value for name, value in mechanics.items()}
+    values |= {("bouc_wen", "d"): 1e-6, ("bouc_wen", "alpha"): 0.0}
+    times = np.arange(750) / 750.0
+    turns = 2j * np.pi * frequency
+    gain = 1e-6 * 5e4 / (2.0 * turns**2 + 100.0 * turns + 5e4)
+    expected = np.imag(gain * np.exp(turns * times))
+    found = simulate(
+        paper.with_values(values),
+        np.sin(2.0 * np.pi * frequency * times),
+        1.0 / 750.0,
+        hold=Hold.BANDLIMITED,
+        initial=Initial.PERIODIC,
+    )
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=2e-5 * abs(gain))
 
 
 @pytest.mark.parametrize("samples", [0.3, 1.0, 2.75])
