@@ -189,9 +189,9 @@ def _bandlimited(voltage: Array, periodic: bool) -> Array:
 def _for_chords(course: Array, before: float, after: float) -> Array:
     """Corners whose chords have, from sample to sample, the mean of a smooth course.
 
-    A chord is off the course by h^2 u'' / 12 in the mean, which a slow plant would take for a change
-    of the voltage. The samples stay where they are, for a fast one that has arrived when it is
-    read. `before` and `after` go on beyond the ends.
+    A chord is off the course by h^2 u'' / 12 in the mean, which a slow plant would take for a
+    change of the voltage. The samples stay where they are, for a fast one that has arrived when it
+    is read. `before` and `after` go on beyond the ends.
     """
     bend = np.diff(np.concatenate([[before], course, [after]]), 2)
     bend[::BANDLIMITED_DIVISIONS] = 0.0
