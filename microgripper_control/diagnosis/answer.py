@@ -20,6 +20,7 @@ from microgripper_control.diagnosis.weighing import (
     NOTHING,
     OUTSIDE,
     Explanation,
+    explained,
 )
 from microgripper_control.effects.base import Stage
 from microgripper_control.effects.registry import registry
@@ -53,7 +54,7 @@ def by_importance(effects: Explanation, pool: Pool) -> tuple[str, ...]:
 def _alone(name: str, pool: Pool) -> float:
     """m: what is left when one effect alone is added; infinite if that was not fitted."""
     trial = pool.tried.get(frozenset([name]))
-    return trial.rmse if trial else float("inf")
+    return explained(frozenset([name]), trial, pool).judged if trial else float("inf")
 
 
 def candidates(

@@ -87,7 +87,7 @@ class Facts:
             floor=pool.noise_floor,
             independent=independent_samples(pool.refit.errors),
             tried={
-                effects: _explained(effects, trial, pool) for effects, trial in pool.tried.items()
+                effects: explained(effects, trial, pool) for effects, trial in pool.tried.items()
             },
             signs={signature.effect: signature.agrees for signature in signatures},
         )
@@ -97,7 +97,7 @@ def _left(trial: Trial) -> Left:
     return Left(trial.rmse, trial.fitted_rmse)
 
 
-def _explained(effects: Explanation, trial: Trial, pool: Pool) -> Left:
+def explained(effects: Explanation, trial: Trial, pool: Pool) -> Left:
     """What an explanation leaves.
 
     A grid of step q explains readings that lie on it without predicting them better: under noise

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
+from microgripper_control.diagnosis.answer import by_importance
+from microgripper_control.diagnosis.exploration import Pool
+from microgripper_control.diagnosis.trial import Trial
 from microgripper_control.diagnosis.weighing import (
     MISTUNED,
     NOTHING,
@@ -14,6 +18,7 @@ from microgripper_control.diagnosis.weighing import (
     Left,
     weigh,
 )
+from microgripper_control.plant.model import Model, nominal_model
 
 NM = 1e-9
 CREEP, LAG, BOTH = (
@@ -80,3 +85,24 @@ def test_an_effect_that_shows_in_the_fitted_samples_only_is_believed() -> None:
 def test_what_fits_and_does_not_predict_is_not_believed() -> None:
     weighed = weigh(replace(facts(300.0, 60.0), tried={CREEP: Left(120.0 * NM, 30.0 * NM)}))
     assert weighed[CREEP] < 0.01
+
+
+def test_a_grid_counts_for_what_it_rounds_though_its_prediction_is_no_closer() -> None:
+    """Step 200 nm: 58 nm rms of rounding are all of the gap; a drift that takes half is less."""
+    model = nominal_model()
+    grid = model.with_link("sensor_quantization", resolution=200.0 * NM)
+    pool = Pool(
+        evidence=None,  # type: ignore[arg-type]  # not looked at
+        nominal=trial(model, 60.0),
+        refit=trial(model, 60.0),
+        tried={
+            frozenset(["sensor_quantization"]): trial(grid, 62.0),
+            frozenset(["thermal_drift"]): trial(model.with_link("thermal_drift"), 40.0),
+        },
+    )
+    both = frozenset(["thermal_drift", "sensor_quantization"])
+    assert by_importance(both, pool) == ("sensor_quantization", "thermal_drift")
+
+
+def trial(model: Model, error: float) -> Trial:
+    return Trial(model, (), (), error * NM, (np.full(100, error * NM),))
