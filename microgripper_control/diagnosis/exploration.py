@@ -13,7 +13,7 @@ import numpy as np
 
 from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.noise import innovation, removable
-from microgripper_control.diagnosis.part import is_dear, on_a_part
+from microgripper_control.diagnosis.part import any_dear, on_a_part
 from microgripper_control.diagnosis.schedule import side_by_side
 from microgripper_control.diagnosis.screening import guesses
 from microgripper_control.diagnosis.trial import (
@@ -110,10 +110,10 @@ def explore(
         best = pool.best(size, 1)
         if not best or not _unexplained(best, pool) or not _worth_it(pool, size):
             break
-        if size > 1 and _has_dear(best[0]):
+        if size > 1 and any_dear(best[0].effects):
             break  # a third effect beside such a force would take minutes
         for leader in pool.best(size, BEAM):
-            near = RIVAL_IF_DEAR if _has_dear(leader) else RIVAL
+            near = RIVAL_IF_DEAR if any_dear(leader.effects) else RIVAL
             follower = _closed(leader, pool) < near * _closed(best[0], pool)
             if follower or not _unexplained(pool.best(size + 1, 1) or best, pool):
                 continue
@@ -121,7 +121,7 @@ def explore(
             pool.add(leader)
             rest = [name for name in fitted if name not in leader.effects]
             bases = [base_of(evidence, leader)]
-            most = SECONDS_IF_DEAR if _has_dear(leader) else SECONDS
+            most = SECONDS_IF_DEAR if any_dear(leader.effects) else SECONDS
             for trial in _round(evidence, bases, rest, most, pool, progress, jobs):
                 pool.add(trial)
     _check_backwards(evidence, pool)
@@ -243,12 +243,8 @@ def _round(
 def _going_on(best: Sequence[Trial]) -> list[Trial]:
     """Those near the first, the best; of those that are dear to simulate a few."""
     near = [trial for trial in best if trial.fitted_rmse < NEAR * best[0].fitted_rmse]
-    cheap = [trial for trial in near if not _has_dear(trial)]
-    return [*cheap, *[trial for trial in near if _has_dear(trial)][:FEW]]
-
-
-def _has_dear(trial: Trial) -> bool:
-    return any(is_dear(name) for name in trial.effects)
+    cheap = [trial for trial in near if not any_dear(trial.effects)]
+    return [*cheap, *[trial for trial in near if any_dear(trial.effects)][:FEW]]
 
 
 def polish(evidence: Evidence, trial: Trial) -> Trial:

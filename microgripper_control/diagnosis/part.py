@@ -6,7 +6,7 @@ knows the way and not the time, so stretches of the recordings show enough of it
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.trial import Base, base_of, moved
@@ -21,7 +21,7 @@ def on_a_part(
 ) -> tuple[Evidence, Sequence[Base]]:
     """What to try an effect on and the bases there: with a dear force, about `most` samples."""
     held = evidence.conditions.hold is Hold.ZERO
-    if not held or not any(is_dear(link) for link in (name, *bases[0].trial.effects)):
+    if not held or not any_dear((name, *bases[0].trial.effects)):
         return evidence, bases
     part = evidence.lean(most)
     if part is evidence:
@@ -29,7 +29,7 @@ def on_a_part(
     return part, [base_of(part, moved(part, base.trial)) for base in bases]
 
 
-def is_dear(name: str) -> bool:
-    """Whether an effect is a force that remembers the way."""
-    force = registry()[name].force
-    return force is not None and force.states > 0
+def any_dear(effects: Iterable[str]) -> bool:
+    """Whether a force that remembers the way is among some effects."""
+    forces = [registry()[name].force for name in effects]
+    return any(force is not None and force.states > 0 for force in forces)
