@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.trial import Trial, problem_of
 from microgripper_control.effects.registry import registry
-from microgripper_control.identification.confidence import interval
+from microgripper_control.identification.confidence import autocorrelation_time, interval
 from microgripper_control.identification.determined import variances
 from microgripper_control.identification.problem import Problem
 from microgripper_control.plant.model import Model, Setting
+from microgripper_control.plant.simulate import Hold
+
+DELAY = ("transport_delay", "delay")
+LIKELY = 3.84  # chi squared of one parameter at 95 %
+HALVINGS = 12  # of a sample period: how closely the end of a range is told
 
 
 def identified(evidence: Evidence, trial: Trial) -> Model:
@@ -24,8 +31,41 @@ def identified(evidence: Evidence, trial: Trial) -> Model:
     for index, key in enumerate(problem.free):
         value, scale = trial.model.value(*key), float(problem.scales[index])
         bounds = interval(value, float(spread[index]) * scale**2, freedom)
+        if key == DELAY and evidence.conditions.hold is Hold.ZERO:
+            period = max(recording.sample_period for recording in evidence.fitted)
+            bounds = _without_a_trace(problem, z, index, period)
         settings[key] = Setting(value, bounds)
     return _as_observed(problem, z, trial.model.with_settings(settings))
+
+
+def _without_a_trace(problem: Problem, z: Array, index: int, period: float) -> tuple[float, float]:
+    """Between which delays, s, the recordings show no difference.
+
+    A plant that settles within a sample answers to a held voltage alike wherever in the sample it
+    steps, and another sample late quite otherwise: a derivative tells nothing of that.
+    """
+    residuals, scale = problem.residuals(z), float(problem.scales[index])
+    least = float(residuals @ residuals)
+    most = least * (1.0 + LIKELY * autocorrelation_time(residuals) / len(residuals))
+
+    def likely(delay: float) -> bool:
+        other = z.copy()
+        other[index] = delay / scale
+        left = problem.residuals(other)
+        return float(left @ left) <= most
+
+    value = float(z[index]) * scale
+    return _end(likely, value, max(0.0, value - period)), _end(likely, value, value + period)
+
+
+def _end(likely: Callable[[float], bool], inside: float, beyond: float) -> float:
+    """Where on the way from a likely value to another it is so no longer."""
+    if likely(beyond):
+        return beyond
+    for _ in range(HALVINGS):
+        middle = 0.5 * (inside + beyond)
+        inside, beyond = (middle, beyond) if likely(middle) else (inside, middle)
+    return inside
 
 
 def _as_observed(problem: Problem, z: Array, model: Model) -> Model:

@@ -1,0 +1,47 @@
+"""Intervals say what recordings leave open, also where a derivative would not tell."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from microgripper_control.core.recording import Recording
+from microgripper_control.diagnosis.evidence import Evidence
+from microgripper_control.diagnosis.identified_model import identified
+from microgripper_control.diagnosis.trial import Trial, fitted_keys, refine
+from microgripper_control.identification.nuisance import Conditions
+from microgripper_control.plant.model import nominal_model
+from microgripper_control.plant.simulate import Hold, Initial, simulate
+
+PERIOD = 1e-3
+TIME = PERIOD * np.arange(8000)
+VOLTAGE = 70.0 + 40.0 * np.sin(2.0 * np.pi * 3.0 * TIME) + 25.0 * np.sin(2.0 * np.pi * 41.0 * TIME)
+
+
+def told_delay(samples: float, hold: Hold) -> tuple[float, float]:
+    """The interval of a planted delay, both in samples, fitted from its nearest first guess."""
+    rig = nominal_model().with_link("transport_delay", delay=samples * PERIOD)
+    clean = simulate(rig, VOLTAGE, PERIOD, hold=hold, initial=Initial.FIRST_SAMPLE)
+    noise = 1e-8 * np.random.default_rng(11).standard_normal(len(clean))
+    recording = Recording("run", PERIOD, VOLTAGE.copy(), clean + noise)
+    guess = (int(samples) + 0.5) * PERIOD
+    model = nominal_model().with_link("transport_delay", delay=guess)
+    evidence = Evidence.gather([recording], [], Conditions(hold=hold), nominal_model())
+    free = fitted_keys(model, ["bouc_wen", "transport_delay"])
+    found = identified(evidence, refine(evidence, Trial(model, free, (0.0,), np.inf)))
+    low, high = found.settings["transport_delay"]["delay"].interval or (np.nan, np.nan)
+    return low / PERIOD, high / PERIOD
+
+
+@pytest.mark.parametrize("samples", [2.3, 2.6])
+def test_parts_of_a_sample_leave_no_trace_where_the_voltage_is_held(samples: float) -> None:
+    """The paper's plant rests a quarter of a millisecond after a step of the voltage."""
+    low, high = told_delay(samples, Hold.ZERO)
+    assert low == pytest.approx(2.0, abs=0.01)
+    assert 2.6 < high < 3.0
+
+
+def test_they_are_told_where_it_runs_smoothly() -> None:
+    low, high = told_delay(2.3, Hold.FIRST)
+    assert low < 2.3 < high
+    assert high - low < 0.02
