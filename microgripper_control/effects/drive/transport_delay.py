@@ -69,8 +69,12 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
 
 
 def starts(scales: Scales) -> Sequence[Values]:
-    """The middle of whole samples: under a zero-order hold a fast plant tells no parts of them."""
-    return [{"delay": (n + 0.5) * scales.sample_period} for n in (*range(8), 10, 13, 17, 22, 30)]
+    """Early and late in a sample: steps of a held voltage are seen settled, or on their way."""
+    return [
+        {"delay": (n + part) * scales.sample_period}
+        for n in (*range(8), 10, 13, 17, 22, 30)
+        for part in (0.4, 0.75, 0.9)
+    ]
 
 
 def says(values: Values, scales: Scales) -> str:
