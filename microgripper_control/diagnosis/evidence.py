@@ -30,10 +30,13 @@ from microgripper_control.identification.nuisance import (
 from microgripper_control.plant.model import Model
 
 GAP = 0.05  # of a block, on each side of a judged one
-MOST_PIECES = 5  # of a recording that is too long
+MOST_COMPARED = 300_000  # samples: an explanation takes hundreds of comparisons
+STRETCH, STRETCHES = 1000, 50  # samples in a row where not all are, and the least of such rows
+GOLDEN = 0.6180339887498949
+MOST_SIMULATED = 2_000_000  # samples
+MOST_PIECES = 5  # of a recording that is too long to be simulated
 LONG_PIECE, SHORTEST_PIECE = 5000, 1000  # samples
 LEAD_IN = 0.2  # of a piece that does not begin with its recording
-MOST = 300_000  # samples that explanations are tried on; each costs hundreds of simulations
 
 
 @dataclass(frozen=True)
@@ -44,6 +47,7 @@ class Evidence:
     fitted: tuple[Recording, ...]
     used: tuple[Mask, ...]
     judged: tuple[Recording, ...]
+    compared: tuple[Mask, ...]  # of those the samples that may judge
     conditions: Conditions
     separate: bool  # whether the judged recordings are others than the fitted ones
     scales: Scales
@@ -72,22 +76,35 @@ class Evidence:
         used = _used(recordings, bool(heldout))
         fitted = tuple(recordings)
         judged = tuple(heldout) or fitted
-        return cls(nominal, fitted, used, judged, conditions, bool(heldout), scales)
+        return cls(nominal, fitted, used, judged, _all(judged), conditions, bool(heldout), scales)
 
-    def lean(self, most: int = MOST) -> Evidence:
-        """Evidence of the same kind with about `most` samples to fit and as many that judge.
+    def lean(self, most: int = MOST_COMPARED) -> Evidence:
+        """The same with about `most` samples that are fitted and as many that judge.
 
-        Of longer recordings stretches are kept, each as a recording of its own.
+        They are stretches all over the recordings, which are simulated as a whole: what takes long
+        to show, such as creep, is not cut short.
         """
-        fitted, leads = _thinned(self.fitted, most, self.separate)
-        judged = _thinned(self.judged, most, True)[0] if self.separate else fitted
+        evidence = self.pieces(MOST_SIMULATED)
+        used = _sparse(evidence.used, most)
+        compared = _sparse(evidence.compared, most)
+        if used is self.used and compared is self.compared:
+            return self
+        return replace(evidence, used=used, compared=compared)
+
+    def pieces(self, most: int) -> Evidence:
+        """The same with about `most` samples to fit and as many that judge.
+
+        Of longer recordings pieces are kept, each as a recording of its own.
+        """
+        fitted, leads = _pieces_of(self.fitted, most, self.separate)
+        judged = _pieces_of(self.judged, most, True)[0] if self.separate else fitted
         if fitted is self.fitted and judged is self.judged:
             return self
         used = _used(fitted, self.separate)
         if self.separate:
             for mask, lead in zip(used, leads, strict=True):
                 mask[:lead] = False
-        return replace(self, fitted=fitted, used=used, judged=judged)
+        return replace(self, fitted=fitted, used=used, judged=judged, compared=_all(judged))
 
     def settled(self) -> Evidence:
         """The same without what a hysteresis still owes to the time before each recording."""
@@ -103,7 +120,11 @@ class Evidence:
 
     def predictions(self, model: Model) -> list[tuple[Array, Mask]]:
         """Of each judged recording: the prediction, m, and the samples that judge."""
-        return [heldout_prediction(model, recording, self.conditions) for recording in self.judged]
+        found = [heldout_prediction(model, recording, self.conditions) for recording in self.judged]
+        return [
+            (prediction, counted & compared)
+            for (prediction, counted), compared in zip(found, self.compared, strict=True)
+        ]
 
     def errors(self, model: Model) -> list[Array]:
         """Measured minus predicted on the judging samples of each judged recording, m."""
@@ -115,10 +136,33 @@ class Evidence:
         ]
 
 
+def _all(recordings: Sequence[Recording]) -> tuple[Mask, ...]:
+    return tuple(np.ones(len(recording), bool) for recording in recordings)
+
+
+def _sparse(masks: tuple[Mask, ...], most: int) -> tuple[Mask, ...]:
+    """Of more than `most` samples in some masks stretches all over, in step with no cycle."""
+    total = sum(int(np.count_nonzero(mask)) for mask in masks)
+    if total <= most:
+        return masks
+    share = most / total
+    return tuple(mask & _stretches(len(mask), share) for mask in masks)
+
+
+def _stretches(length: int, share: float) -> Mask:
+    """Samples in stretches that together are a share of all."""
+    count = max(STRETCHES, round(share * length / STRETCH))
+    index = np.arange(count)
+    starts = (index + (1.0 - share) * (GOLDEN * index % 1.0)) * length / count
+    place = np.arange(length)
+    chosen: Mask = place - starts[place * count // length] < share * length / count
+    return chosen & (place >= starts[place * count // length])
+
+
 def _used(recordings: Sequence[Recording], separate: bool) -> tuple[Mask, ...]:
     """Of each recording the samples that are fitted."""
     if separate:
-        return tuple(np.ones(len(recording), bool) for recording in recordings)
+        return _all(recordings)
     return tuple(_fitted_blocks(len(recording)) for recording in recordings)
 
 
@@ -132,7 +176,7 @@ def _fitted_blocks(length: int) -> Mask:
     return fitted
 
 
-def _thinned(
+def _pieces_of(
     recordings: tuple[Recording, ...], most: int, anywhere: bool
 ) -> tuple[tuple[Recording, ...], tuple[int, ...]]:
     """The recordings themselves if they have no more than `most` samples, else pieces of them.

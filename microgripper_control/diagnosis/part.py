@@ -23,7 +23,7 @@ def on_a_part(
     held = evidence.conditions.hold is Hold.ZERO
     if not held or not any_dear((name, *bases[0].trial.effects)):
         return evidence, bases
-    part = evidence.lean(most)
+    part = evidence.pieces(most)
     if part is evidence:
         return evidence, bases
     return part, [base_of(part, moved(part, base.trial)) for base in bases]

@@ -84,5 +84,8 @@ def residuals_of(evidence: Evidence, model: Model) -> tuple[list[Residual], list
         return Residual(recording, recording.measured - prediction, counted & recording.present)
 
     fitted = [left(r, used) for r, used in zip(evidence.fitted, evidence.used, strict=True)]
-    judged = [left(r, blocks(len(r), odd=False)) for r in evidence.judged]
+    judged = [
+        left(r, blocks(len(r), odd=False) & compared)
+        for r, compared in zip(evidence.judged, evidence.compared, strict=True)
+    ]
     return fitted, judged

@@ -29,6 +29,7 @@ from microgripper_control.core.compiled import address_of
 from microgripper_control.core.signals import FREE, HYSTERESIS, POSITION, Array, Timing
 from microgripper_control.effects import force_balance as layout
 from microgripper_control.effects.base import Load, Prepared, Values
+from microgripper_control.effects.past import gone_since_turn
 
 FINE = 0.16  # rad; for weak forces that follow the path, by their share in the stiffness ** -1/4
 COARSER = 6.0  # times that, at most, where the ringing dies away within the step
@@ -40,7 +41,6 @@ DIED_AWAY = 5.0  # time constants after which the rest of the ringing does not m
 RUNG = 1.25  # omega is rounded to powers of this where substeps are counted
 MOST_SUBSTEPS = 1000
 FOREVER = 1e9  # s
-WAY = 10.0  # way of w since it turned, over h: one over the alpha of a piezo, about
 
 
 def prepare(values: Values, timing: Timing, levels: Array, loads: Sequence[Load]) -> Prepared:
@@ -63,7 +63,7 @@ def prepare(values: Values, timing: Timing, levels: Array, loads: Sequence[Load]
     rest[FREE] = levels[FREE]
     h = levels[HYSTERESIS]
     if h * (levels[FREE] + h) <= 0.0:
-        rest[FREE, 0] -= WAY * h
+        rest[FREE, 0] -= gone_since_turn(h)
     layout.kernel(np.array([*laws, _rest(values)]), state, rest)
     levels[POSITION] = rest[POSITION, 2]
     return Prepared(np.array([*laws, *substeps]), state, ramped=True)

@@ -9,8 +9,7 @@ friction c holds, T = c / k: it trails behind the flank, and comes to rest at it
 T is told per play, so that it goes with it: without play this is no lag of a sensor.
 
 A run begins with the finger at the flank that pushed it last, as h remembers; without h, in the
-middle of the gap. x is taken as straight between the internal steps, and
-followed exactly.
+middle of the gap. x is taken as straight between the internal steps, and followed exactly.
 """
 
 import math
@@ -23,8 +22,8 @@ from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import quantity
 from microgripper_control.core.signals import HYSTERESIS, POSITION, Array, Timing
 from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
+from microgripper_control.effects.past import gone_since_turn
 
-WAY = 3.0  # x that is gone since it turned, over h, at least: a piezo has about one over its alpha
 SHORTEST = 1e-12  # of a step: T that counts as none
 SLOWEST = 0.3  # s, T at a play as wide as the stroke
 SHOWN = 0.05  # of a sample period: a shorter T is not spoken of
@@ -80,7 +79,8 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     """At rest the finger is where x left it, coming from the side that h remembers."""
     half, level = values["play"] / 2.0, levels[POSITION]
     lag = values["slowness"] * values["play"]
-    levels[POSITION] = finger = level - min(max(WAY * levels[HYSTERESIS], -half), half)
+    gone = gone_since_turn(levels[HYSTERESIS])
+    levels[POSITION] = finger = level - min(max(gone, -half), half)
     if lag == 0.0:
         return Prepared(np.array([[half]]), np.array([finger]), timing.ramped)
     rows = [(half, step / max(lag, SHORTEST * step)) for step in timing.steps]

@@ -1,0 +1,57 @@
+"""Of long recordings little is compared, and no effect is cut short."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from microgripper_control.core.recording import Recording
+from microgripper_control.diagnosis.evidence import STRETCH, Evidence
+from microgripper_control.identification.nuisance import Conditions
+from microgripper_control.plant.model import nominal_model
+from microgripper_control.plant.simulate import Initial, simulate
+
+PERIOD = 1e-3
+
+
+def recording(name: str, samples: int) -> Recording:
+    voltage = 75.0 - 70.0 * np.cos(2.0 * np.pi * 0.9 * PERIOD * np.arange(samples))
+    answer = simulate(nominal_model(), voltage, PERIOD, initial=Initial.FIRST_SAMPLE)
+    return Recording(name, PERIOD, voltage, answer)
+
+
+def gathered(separate: bool) -> Evidence:
+    runs = [recording("long", 90_000), recording("short", 30_000)]
+    others = [recording("held out", 60_000)] if separate else []
+    return Evidence.gather(runs, others, Conditions(), nominal_model())
+
+
+@pytest.mark.parametrize("separate", [True, False])
+def test_few_samples_all_over_whole_recordings_are_compared(separate: bool) -> None:
+    whole = gathered(separate)
+    lean = whole.lean(20_000)
+    cycle = round(1.0 / (0.9 * PERIOD))
+    assert (lean.fitted, lean.judged) == (whole.fitted, whole.judged)
+    counted = [np.flatnonzero(mask) for mask in lean.used]
+    assert sum(map(len, counted)) == pytest.approx(20_000, rel=0.15)
+    for mask, before, found in zip(lean.used, whole.used, counted, strict=True):
+        assert not np.any(mask & ~before)
+        assert np.ptp(np.histogram(found % cycle, 5)[0]) < 0.4 * len(found)
+        assert found[0] < STRETCH < 0.8 * len(mask) < found[-1]
+    for less, more in zip(lean.errors(whole.nominal), whole.errors(whole.nominal), strict=True):
+        assert 0 < len(less) < 0.5 * len(more)
+        assert np.all(np.isin(less, more))
+
+
+def test_what_is_short_enough_stays_as_it_is() -> None:
+    whole = gathered(True)
+    assert whole.lean() is whole
+    assert whole.pieces(200_000) is whole
+
+
+def test_pieces_are_recordings_of_their_own() -> None:
+    pieces = gathered(True).pieces(40_000)
+    assert sum(map(len, pieces.fitted)) == pytest.approx(40_000, rel=0.1)
+    assert all(len(mask) == len(run) for mask, run in zip(pieces.used, pieces.fitted, strict=True))
+    assert all(len(m) == len(run) for m, run in zip(pieces.compared, pieces.judged, strict=True))
+    assert {run.name for run in pieces.fitted} == {"long", "short"}
