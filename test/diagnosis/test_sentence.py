@@ -33,8 +33,16 @@ CLAUSES = [
         ["rises by 25000 V/s at most", "falls by 20000 V/s"],
     ),
     ("slew_limit", {"rise": 4e-3, "fall": 0.0}, ["voltage rises by 250 V/s at most"]),
-    ("saturation", {"low": -1e4, "high": 148.0, "softness": 0.5}, ["saturates above 148 V"]),
-    ("saturation", {"low": 12.0, "high": 1e4, "softness": 8.0}, ["softly below 12.0 V"]),
+    (
+        "saturation",
+        {"low": -1e4, "high": 148.0, "low_softness": 0.5, "high_softness": 0.5},
+        ["saturates above 148 V"],
+    ),
+    (
+        "saturation",
+        {"low": 12.0, "high": 1e4, "low_softness": 8.0, "high_softness": 8.0},
+        ["softly below 12.0 V"],
+    ),
     ("transport_delay", {"delay": 2.7e-3}, ["a delay of 2.7 ms"]),
     ("creep", {"strength": 0.012}, ["1.2 % of the step per decade of time"]),
     ("creep", {"strength": 0.02, "fastest": 1.0, "slowest": 4.0}, ["1.2 % of", "within some 2 s"]),

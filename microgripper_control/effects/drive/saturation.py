@@ -2,8 +2,9 @@
 
     u_s = u + r(low - u) - r(u - high),        r(e) = softness ln(1 + exp(e / softness))
 
-At softness 0, r(e) = max(e, 0): the voltage is cut at both levels. With softness the bend is spread
-over a few times as many volts around each. The levels are out of reach where the effect vanishes.
+At softness 0, r(e) = max(e, 0): the voltage is cut at a level. With softness the bend is spread
+over a few times as many volts around it. Each level has its own: what pulls the output up is not
+what pulls it down. The levels are out of reach where the effect vanishes.
 The link stands before slew limit and lag, which act on what the output stage is able to put out.
 """
 
@@ -31,21 +32,21 @@ def _excess(e: float, softness: float) -> float:
 
 
 @compiled
-def limited(u: float, low: float, high: float, softness: float) -> float:
+def limited(u: float, low: float, high: float, low_softness: float, high_softness: float) -> float:
     """What the output stage makes of a command, V."""
-    return u + _excess(low - u, softness) - _excess(u - high, softness)
+    return u + _excess(low - u, low_softness) - _excess(u - high, high_softness)
 
 
 @compiled
 def kernel(coefficients: Array, state: Array, bus: Array) -> None:
-    low, high, softness = coefficients[0, 0], coefficients[0, 1], coefficients[0, 2]
+    c = coefficients[0]
     for j in range(bus.shape[1]):
-        bus[VOLTAGE, j] = limited(bus[VOLTAGE, j], low, high, softness)
+        bus[VOLTAGE, j] = limited(bus[VOLTAGE, j], c[0], c[1], c[2], c[3])
 
 
 def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     """No state, and no memory: a held signal stays one."""
-    row = (values["low"], values["high"], values["softness"])
+    row = [values[name] for name in ("low", "high", "low_softness", "high_softness")]
     levels[VOLTAGE] = limited(levels[VOLTAGE], *row)
     return Prepared(np.array([row]), np.zeros(0), timing.ramped)
 
@@ -58,18 +59,22 @@ def starts(scales: Scales) -> Sequence[Values]:
     for cut in (0.0, 0.05, 0.15, 0.35):
         ends = {"low": low + cut * swing, "high": high - cut * swing}
         for levels in ({"low": ends["low"]}, {"high": ends["high"]}, ends):
-            found += [off | levels | {"softness": soft * swing} for soft in (0.01, 0.05)]
+            for soft in (0.01 * swing, 0.05 * swing):
+                found.append(off | levels | {"low_softness": soft, "high_softness": soft})
     return found
 
 
 def says(values: Values, scales: Scales) -> str:
-    bends = 3.0 * values["softness"]
-    ends = []
-    if values["high"] < scales.voltage[1] + bends:
-        ends.append(f"above {quantity(values['high'], 'V', 3)}")
-    if values["low"] > scales.voltage[0] - bends:
-        ends.append(f"below {quantity(values['low'], 'V', 3)}")
-    soft = "softly " if values["softness"] > SOFT * scales.swing else ""
+    ends, softest = [], 0.0
+    for name, word, over in (
+        ("high", "above", scales.voltage[1] - values["high"]),
+        ("low", "below", values["low"] - scales.voltage[0]),
+    ):
+        softness = values[f"{name}_softness"]
+        if over > -3.0 * softness:
+            ends.append(f"{word} {quantity(values[name], 'V', 3)}")
+            softest = max(softest, softness)
+    soft = "softly " if softest > SOFT * scales.swing else ""
     return f"the amplifier saturates {soft}{' and '.join(ends) or 'just beyond the range in use'}"
 
 
@@ -82,7 +87,10 @@ LINK = Link(
     parameters=(
         Parameter("low", "V", -20.0, -OUT_OF_REACH, OUT_OF_REACH, "lowest output", -OUT_OF_REACH),
         Parameter("high", "V", 150.0, -OUT_OF_REACH, OUT_OF_REACH, "highest output", OUT_OF_REACH),
-        Parameter("softness", "V", 1.0, 0.0, 100.0, "width of the bends, 0 if hard"),
+        Parameter(
+            "low_softness", "V", 1.0, 0.0, 100.0, "width of the bend at the lowest, 0 if hard"
+        ),
+        Parameter("high_softness", "V", 1.0, 0.0, 100.0, "the same at the highest"),
     ),
     prepare=prepare,
     kernel=kernel,

@@ -16,7 +16,7 @@ COMMANDS = np.linspace(-100.0, 250.0, 701)
 
 
 def curve(alone: Alone, low: float, high: float, softness: float) -> Array:
-    values = {"low": low, "high": high, "softness": softness}
+    values = {"low": low, "high": high, "low_softness": softness, "high_softness": softness}
     return alone("saturation", values, COMMANDS, (1e-3,))
 
 
@@ -42,18 +42,20 @@ def test_softness_takes_ln_2_of_itself_at_the_level(alone: Alone, softness: floa
 
 def test_with_the_levels_close_together_it_is_a_hyperbolic_tangent(alone: Alone) -> None:
     """The textbook's soft limiter, up to a gain that d makes up for."""
-    values = {"low": -6.0, "high": 6.0, "softness": 30.0}
+    values = {"low": -6.0, "high": 6.0, "low_softness": 30.0, "high_softness": 30.0}
     out = alone("saturation", values, COMMANDS, (1e-3,))
     np.testing.assert_allclose(out / 6.0, np.tanh(COMMANDS / 60.0), atol=0.01)
 
 
 def test_levels_out_of_reach_change_no_bit(paper: Model, lively: Array) -> None:
-    model = paper.with_link("saturation", low=-900.0, high=1500.0, softness=10.0)
+    model = paper.with_link(
+        "saturation", low=-900.0, high=1500.0, low_softness=10.0, high_softness=10.0
+    )
     np.testing.assert_array_equal(simulate(model, lively, 1e-3), simulate(paper, lively, 1e-3))
 
 
 def test_it_is_a_change_of_the_command(paper: Model, lively: Array) -> None:
-    model = paper.with_link("saturation", low=0.0, high=120.0, softness=0.0)
+    model = paper.with_link("saturation", low=0.0, high=120.0, low_softness=0.0, high_softness=0.0)
     np.testing.assert_array_equal(
         simulate(model, lively - 30.0, 1e-3),
         simulate(paper, np.clip(lively - 30.0, 0.0, 120.0), 1e-3),
@@ -61,7 +63,7 @@ def test_it_is_a_change_of_the_command(paper: Model, lively: Array) -> None:
 
 
 def test_it_starts_settled_at_what_gets_through(paper: Model) -> None:
-    model = paper.with_link("saturation", low=0.0, high=100.0, softness=0.0)
+    model = paper.with_link("saturation", low=0.0, high=100.0, low_softness=0.0, high_softness=0.0)
     x = simulate(model, np.full(50, 140.0), 1e-3, initial=Initial.FIRST_SAMPLE)
     expected = simulate(paper, np.full(50, 100.0), 1e-3, initial=Initial.FIRST_SAMPLE)
     np.testing.assert_array_equal(x, expected)
@@ -70,10 +72,10 @@ def test_it_starts_settled_at_what_gets_through(paper: Model) -> None:
 def test_planted_levels_are_found(
     paper: Model, lively: Array, recover: Callable[..., tuple[Array, Array]]
 ) -> None:
-    for truth in ([8.0, 133.0, 0.5], [5.0, 140.0, 6.0]):
-        names = ("low", "high", "softness")
+    for truth in ([8.0, 133.0, 0.5, 0.5], [5.0, 140.0, 3.0, 6.0]):
+        names = ("low", "high", "low_softness", "high_softness")
         rig = paper.with_link("saturation", **dict(zip(names, truth, strict=True)))
-        start = {"low": 4.0, "high": 145.0, "softness": 2.0}
+        start = {"low": 4.0, "high": 145.0, "low_softness": 2.0, "high_softness": 2.0}
         found, errors = recover(rig, "saturation", start, lively, 1e-3)
         assert np.all(np.abs(found - truth) < 4.0 * errors)
         assert np.all(errors < 0.15)
