@@ -27,6 +27,7 @@ LOOKS = 9  # at the initial h, all over its range,
 GAUSS_NEWTON_STEPS = 4  # from the best of them
 WAYS = (1.0, 0.3)  # shares of such a step that are tried
 PROBE = 1e-3  # of the largest h: the finite difference for its influence
+FORGOTTEN = 1e-4  # of the most that h changes: what changes less need not be simulated again
 
 
 @dataclass(frozen=True)
@@ -136,17 +137,33 @@ def fit_nuisance(
     if used is not None:
         mask &= used
     shapes = courses(model, recording)[:, mask]
-    without = Projection.off(shapes)
-
-    def left(h: float) -> Array:
-        error: Array = recording.measured - response(model, recording, conditions, h)
-        return error[mask]
-
     bound = largest_hysteresis(model, recording)
-    known = conditions.knows_initial_hysteresis or bound <= 0.0
-    h = 0.0 if known else _fit_hysteresis(lambda h: without(left(h)), bound)
-    weights, *_ = np.linalg.lstsq(shapes.T, left(h), rcond=None)
+    if conditions.knows_initial_hysteresis or bound <= 0.0:
+        h, error = 0.0, recording.measured - response(model, recording, conditions, 0.0)
+    else:
+        answer = _by_hysteresis(model, recording, conditions, bound)
+        without = Projection.off(shapes)
+        h = _fit_hysteresis(lambda h: without((recording.measured - answer(h))[mask]), bound)
+        error = recording.measured - answer(h)
+    weights, *_ = np.linalg.lstsq(shapes.T, error[mask], rcond=None)
     return Nuisance(h, tuple(map(float, weights)))
+
+
+def _by_hysteresis(
+    model: Model, recording: Recording, conditions: Conditions, bound: float
+) -> Callable[[float], Array]:
+    """The response as a function of an initial h within +-bound, m.
+
+    A recording forgets sooner or later what it began with: only until then is each h simulated.
+    """
+    low, high = (response(model, recording, conditions, h) for h in (-bound, bound))
+    apart = np.abs(high - low)
+    remembered = np.flatnonzero(apart > FORGOTTEN * np.max(apart))
+    if conditions.hold is Hold.BANDLIMITED or not len(remembered):
+        return lambda h: response(model, recording, conditions, h)
+    until = max(2, int(remembered[-1]) + 1)
+    beginning = Recording(recording.name, recording.sample_period, recording.voltage[:until])
+    return lambda h: np.append(response(model, beginning, conditions, h), high[until:])
 
 
 def _fit_hysteresis(left: Callable[[float], Array], bound: float) -> float:

@@ -14,10 +14,10 @@ import numpy as np
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.signals import HYSTERESIS, POSITION, ROWS, VOLTAGE, Array, Timing
 from microgripper_control.effects.material.bouc_wen import advance
+from microgripper_control.plant.bandlimited import Course, course
 from microgripper_control.plant.chain import Chain
 from microgripper_control.plant.model import Model
 
-BANDLIMITED_DIVISIONS = 8
 BLOCK = 8192  # internal steps on the bus at a time: it stays in the cache, whatever the length
 
 # drive(bus, begin): fill in the voltage of a block that begins at the sample `begin`.
@@ -60,11 +60,12 @@ def simulate(
         raise MicrogripperError("voltage: at least two finite samples in one row are needed")
     ramped = hold is not Hold.ZERO
     levels = _initial_levels(model, voltage, ramped, initial, initial_hysteresis)
-    divisions = BANDLIMITED_DIVISIONS if hold is Hold.BANDLIMITED else 1
-    chain = Chain(model, sample_period, levels, ramped=ramped, divisions=divisions, random=random)
     periodic = initial is Initial.PERIODIC
     driven = np.append(voltage, voltage[0]) if periodic else voltage
-    drive = _drive(driven, chain.timing, hold, periodic)
+    smooth = course(driven, periodic) if hold is Hold.BANDLIMITED else None
+    divisions = smooth.divisions if smooth else 1
+    chain = Chain(model, sample_period, levels, ramped=ramped, divisions=divisions, random=random)
+    drive = _drive(driven, chain.timing, hold, smooth)
     positions = np.empty(len(voltage))
     if periodic:
         bus = np.zeros((ROWS, len(voltage) * chain.steps))
@@ -142,59 +143,21 @@ def _initial_levels(
     return levels
 
 
-def _drive(voltage: Array, timing: Timing, hold: Hold, periodic: bool) -> Drive:
-    """How the voltage runs from sample to sample."""
+def _drive(voltage: Array, timing: Timing, hold: Hold, smooth: Course | None) -> Drive:
+    """How the voltage runs from sample to sample; `smooth` is its course if it is band-limited."""
     fractions = (timing.ends / timing.sample_period).tolist()
     steps = len(fractions)
-    fine = _bandlimited(voltage, periodic) if hold is Hold.BANDLIMITED else voltage
 
     def drive(bus: Array, begin: int) -> None:
         end = begin + bus.shape[1] // steps
         old, new = voltage[begin:end], voltage[begin + 1 : end + 1]
-        near = fine[BANDLIMITED_DIVISIONS * begin : BANDLIMITED_DIVISIONS * end + 1]
         for step, fraction in enumerate(fractions):
-            course = bus[VOLTAGE, step::steps]
-            if hold is Hold.ZERO:
-                course[:] = old
+            row = bus[VOLTAGE, step::steps]
+            if smooth is not None:
+                row[:] = smooth.ends(begin, end, fraction)
             elif hold is Hold.FIRST:
-                course[:] = old + fraction * (new - old)
+                row[:] = old + fraction * (new - old)
             else:
-                at = np.arange(end - begin) + fraction
-                course[:] = np.interp(at, np.arange(len(near)) / BANDLIMITED_DIVISIONS, near)
+                row[:] = old
 
     return drive
-
-
-def _bandlimited(voltage: Array, periodic: bool) -> Array:
-    """The voltage between its samples, as the band-limited signal through them.
-
-    A recording that is not periodic is continued beyond its ends by point reflection, which keeps
-    value and slope, so that nothing rings there.
-    """
-    from scipy.signal import resample  # takes 0.4 s to import: not for a node
-
-    if periodic:
-        fine = resample(voltage[:-1], (len(voltage) - 1) * BANDLIMITED_DIVISIONS)
-        return _for_chords(np.append(fine, fine[:1]), fine[-1], fine[1])
-    there_and_back = np.concatenate([voltage, 2.0 * voltage[-1] - voltage[-2:0:-1]])
-    drift = 2.0 * (voltage[-1] - voltage[0]) * np.arange(len(there_and_back)) / len(there_and_back)
-    fine = resample(there_and_back - drift, len(there_and_back) * BANDLIMITED_DIVISIONS)
-    count = (len(voltage) - 1) * BANDLIMITED_DIVISIONS + 1
-    slope = 2.0 * (voltage[-1] - voltage[0]) / (len(there_and_back) * BANDLIMITED_DIVISIONS)
-    whole = fine[:count] + slope * np.arange(count)
-    before, after = 2.0 * whole[0] - whole[1], 2.0 * whole[-1] - whole[-2]
-    return _for_chords(whole, before, after)
-
-
-def _for_chords(course: Array, before: float, after: float) -> Array:
-    """Corners whose chords have, from sample to sample, the mean of a smooth course.
-
-    A chord is off the course by h^2 u'' / 12 in the mean, which a slow plant would take for a
-    change of the voltage. The samples stay where they are, for a fast one that has arrived when it
-    is read. `before` and `after` go on beyond the ends.
-    """
-    bend = np.diff(np.concatenate([[before], course, [after]]), 2)
-    bend[::BANDLIMITED_DIVISIONS] = 0.0
-    share = BANDLIMITED_DIVISIONS / (BANDLIMITED_DIVISIONS - 1.0) / 12.0
-    corners: Array = course - share * bend
-    return corners
