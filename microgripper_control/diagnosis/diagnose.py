@@ -13,13 +13,14 @@ from microgripper_control.diagnosis.findings import EFFECTS, NONE, Diagnosis, Ga
 from microgripper_control.diagnosis.freeform import explainable
 from microgripper_control.diagnosis.hold_check import hold_warnings
 from microgripper_control.diagnosis.identified_model import identified
+from microgripper_control.diagnosis.part import refined
 from microgripper_control.diagnosis.readings import reading_warnings
 from microgripper_control.diagnosis.refit import nominal_trial, refit_trial
 from microgripper_control.diagnosis.residuals import residuals_of
 from microgripper_control.diagnosis.sentence import sentence
 from microgripper_control.diagnosis.shrinkage import closed_fraction, closed_interval
 from microgripper_control.diagnosis.signatures import signatures
-from microgripper_control.diagnosis.trial import Trial, judged, refine
+from microgripper_control.diagnosis.trial import FINE, Trial, judged
 from microgripper_control.diagnosis.weighing import Facts, weigh
 from microgripper_control.diagnosis.where import locate
 from microgripper_control.effects.base import no_starts
@@ -64,7 +65,7 @@ def diagnose(
     best = before if verdict == NONE else refit
     if verdict == EFFECTS:
         effects = answer.by_importance(answer.chosen(weighed), pool)
-        best = refine(evidence, pool.tried[frozenset(effects)], evaluations=20)
+        best = refined(evidence, pool.tried[frozenset(effects)], FINE, 20)
     model = nominal if verdict == NONE else identified(evidence, best)
     found = answer.candidates(weighed, pool, names, signs, model)
     before, refit, best = (on_all(whole, lean, trial) for trial in (before, refit, best))

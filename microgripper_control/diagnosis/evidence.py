@@ -96,15 +96,16 @@ class Evidence:
 
         Of longer recordings pieces are kept, each as a recording of its own.
         """
-        fitted, leads = _pieces_of(self.fitted, most, self.separate)
-        judged = _pieces_of(self.judged, most, True)[0] if self.separate else fitted
+        fitted, used = _pieces_of(self.fitted, self.used, most, self.separate)
+        judged, compared = fitted, _all(fitted)
+        if self.separate:
+            judged, compared = _pieces_of(self.judged, self.compared, most, True)
         if fitted is self.fitted and judged is self.judged:
             return self
-        used = _used(fitted, self.separate)
-        if self.separate:
-            for mask, lead in zip(used, leads, strict=True):
-                mask[:lead] = False
-        return replace(self, fitted=fitted, used=used, judged=judged, compared=_all(judged))
+        if not self.separate:
+            blocks = _used(fitted, False)
+            used = tuple(mask & block for mask, block in zip(used, blocks, strict=True))
+        return replace(self, fitted=fitted, used=used, judged=judged, compared=compared)
 
     def settled(self) -> Evidence:
         """The same without what a hysteresis still owes to the time before each recording."""
@@ -177,47 +178,54 @@ def _fitted_blocks(length: int) -> Mask:
 
 
 def _pieces_of(
-    recordings: tuple[Recording, ...], most: int, anywhere: bool
-) -> tuple[tuple[Recording, ...], tuple[int, ...]]:
-    """The recordings themselves if they have no more than `most` samples, else pieces of them.
+    recordings: tuple[Recording, ...], masks: tuple[Mask, ...], most: int, anywhere: bool
+) -> tuple[tuple[Recording, ...], tuple[Mask, ...]]:
+    """Recordings and masks as they are if there are no more than `most` samples, else pieces.
 
-    Also, of each, how many samples only show what a force remembers when the others begin.
+    A piece's first samples do not count: they only show what a force remembers when it begins.
     """
     total = sum(len(recording) for recording in recordings)
     if total <= most:
-        return recordings, (0,) * len(recordings)
-    pieces = [
-        (piece, int(LEAD_IN * len(piece)) if piece.start > recording.start else 0)
-        for recording in recordings
-        for piece in _pieces(recording, most, total, anywhere)
-    ]
-    return tuple(piece for piece, _ in pieces), tuple(lead for _, lead in pieces)
+        return recordings, masks
+    pieces, counted = [], []
+    for recording, mask in zip(recordings, masks, strict=True):
+        for part in _parts(len(recording), len(recording) * most / total, anywhere):
+            lead = int(LEAD_IN * (part.stop - part.start)) if anywhere and part.start > 0 else 0
+            counts = mask[part] & (np.arange(part.stop - part.start) >= lead)
+            if np.any(counts):
+                pieces.append(_piece(recording, part))
+                counted.append(counts)
+    return tuple(pieces), tuple(counted)
 
 
-def _pieces(recording: Recording, most: int, total: int, anywhere: bool) -> Iterator[Recording]:
-    """Stretches of a recording, so that of `total` samples about `most` are left.
+def _parts(length: int, quota: float, anywhere: bool) -> Iterator[slice]:
+    """Stretches of a recording of some length that together have about `quota` samples.
 
     `anywhere` few and long ones, evenly spread; else the beginnings of the odd blocks.
     """
-    quota = max(SHORTEST_PIECE, round(len(recording) * most / total))
+    quota = max(SHORTEST_PIECE, round(quota))
     if anywhere:
         count = min(MOST_PIECES, max(1, quota // LONG_PIECE))
-        length = min(quota // count, len(recording) // count)
-        firsts = [index * (len(recording) // count) for index in range(count)]
+        span = min(quota // count, length // count)
+        firsts = [index * (length // count) for index in range(count)]
     else:
-        block = len(recording) // BLOCKS
-        length = min(block, max(SHORTEST_PIECE, quota // (BLOCKS // 2)))
+        block = length // BLOCKS
+        span = min(block, max(SHORTEST_PIECE, quota // (BLOCKS // 2)))
         firsts = list(range(0, BLOCKS * block, 2 * block))
     for first in firsts:
-        part = slice(first, first + length)
-        yield replace(
-            recording,
-            voltage=recording.voltage[part],
-            displacement=recording.measured[part],
-            setpoint=None,
-            start=recording.start + first * recording.sample_period,
-            read=None if recording.read is None else recording.read[part],
-        )
+        yield slice(first, min(first + span, length))
+
+
+def _piece(recording: Recording, part: slice) -> Recording:
+    """A stretch of a recording as a recording of its own."""
+    return replace(
+        recording,
+        voltage=recording.voltage[part],
+        displacement=recording.measured[part],
+        setpoint=None,
+        start=recording.start + part.start * recording.sample_period,
+        read=None if recording.read is None else recording.read[part],
+    )
 
 
 def rms(errors: Sequence[Array]) -> float:

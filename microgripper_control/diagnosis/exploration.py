@@ -13,7 +13,7 @@ import numpy as np
 
 from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.noise import innovation, removable
-from microgripper_control.diagnosis.part import any_dear, on_a_part
+from microgripper_control.diagnosis.part import any_dear, on_a_part, refined
 from microgripper_control.diagnosis.schedule import side_by_side
 from microgripper_control.diagnosis.screening import guesses
 from microgripper_control.diagnosis.trial import (
@@ -117,7 +117,7 @@ def explore(
             follower = _closed(leader, pool) < near * _closed(best[0], pool)
             if follower or not _unexplained(pool.best(size + 1, 1) or best, pool):
                 continue
-            leader = refine(evidence, leader, POLISHED, 60)
+            leader = refined(evidence, leader, POLISHED, 60)
             pool.add(leader)
             rest = [name for name in fitted if name not in leader.effects]
             bases = [base_of(evidence, leader)]
@@ -180,7 +180,7 @@ def _check_backwards(evidence: Evidence, pool: Pool) -> None:
         model = best.model.without([name])
         free = tuple(key for key in best.free if key[0] != name)
         start = Trial(model, free, best.initial_hysteresis, best.fitted_rmse)
-        pool.add(refine(evidence, start, POLISHED, 15))
+        pool.add(refined(evidence, start, POLISHED, 15))
 
 
 def _add_chosen(evidence: Evidence, pool: Pool, names: Sequence[str]) -> None:
@@ -250,7 +250,7 @@ def _going_on(best: Sequence[Trial]) -> list[Trial]:
 def polish(evidence: Evidence, trial: Trial) -> Trial:
     """Fit on with all derivatives fresh."""
     with np.errstate(all="ignore"):
-        return refine(evidence, trial, ROUGH, 20)
+        return refined(evidence, trial, ROUGH, 20)
 
 
 def _promise(evidence: Evidence, bases: Sequence[Base], name: str) -> tuple[str, float]:
