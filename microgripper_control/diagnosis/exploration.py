@@ -283,7 +283,11 @@ def _attempt(evidence: Evidence, bases: Sequence[Base], name: str) -> tuple[Tria
     found = [fit for fit in fits if fit is not None and np.isfinite(fit.fitted_rmse)]
     if not found:
         return None, "no start could be fitted"
-    best = min(found, key=lambda trial: trial.fitted_rmse)
+    found.sort(key=lambda trial: trial.fitted_rmse)
     if part is evidence:
-        return judged(evidence, best), ""
-    return unfitted(evidence, moved(evidence, best)), ""
+        return judged(evidence, found[0]), ""
+    for fit in found:  # what fits a part may diverge elsewhere
+        whole = unfitted(evidence, moved(evidence, fit))
+        if np.isfinite(whole.fitted_rmse):
+            return whole, ""
+    return None, "diverges where it was not fitted"

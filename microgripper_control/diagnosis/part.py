@@ -1,7 +1,7 @@
 """Less to look at where each sample is dear.
 
 A force in the mechanics that remembers the way is balanced several times a sample. It knows the way
-and not the time, so stretches of the recordings show enough of it to fit it.
+and not the time, so stretches of the recordings show enough of it to begin with.
 """
 
 from __future__ import annotations
@@ -9,10 +9,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from microgripper_control.diagnosis.evidence import Evidence
-from microgripper_control.diagnosis.trial import Base, Trial, base_of, moved, refine, unfitted
+from microgripper_control.diagnosis.trial import Base, Trial, base_of, moved, refine
 from microgripper_control.effects.registry import registry
 
-PART, LARGER_PART = 15_000, 30_000  # samples on which an effect is tried, and fitted on
+PART = 15_000  # samples that are fitted then
+ENOUGH, FEWER = 1e-3, 8  # tolerance and evaluations of a fit to all of them,
+ROUNDS, WORTH_ANOTHER = 3, 0.9  # which goes on as long as it takes away a tenth each time
 
 
 def on_a_part(
@@ -26,12 +28,15 @@ def on_a_part(
 
 
 def refined(evidence: Evidence, trial: Trial, tolerance: float, evaluations: int) -> Trial:
-    """Fit on with all derivatives fresh, a dear force on a part, and judge what comes out."""
-    part = evidence.pieces(LARGER_PART) if any_dear(trial.effects) else evidence
-    if part is evidence:
+    """Fit on and judge what comes out; with a dear force not as far, and with fewer derivatives."""
+    if not any_dear(trial.effects):
         return refine(evidence, trial, tolerance, evaluations)
-    found = refine(part, moved(part, trial), tolerance, evaluations)
-    return unfitted(evidence, moved(evidence, found))
+    for _ in range(ROUNDS):
+        before = trial.fitted_rmse
+        trial = refine(evidence, trial, ENOUGH, FEWER, fresh=trial.effects)
+        if trial.fitted_rmse > WORTH_ANOTHER * before:
+            break
+    return trial
 
 
 def any_dear(effects: Iterable[str]) -> bool:

@@ -10,7 +10,7 @@ method); only the explanation that is finally chosen is polished with all deriva
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -118,14 +118,26 @@ def base_of(evidence: Evidence, trial: Trial) -> Base:
 
 
 def refine(
-    evidence: Evidence, trial: Trial, tolerance: float = FINE, evaluations: int = 40
+    evidence: Evidence,
+    trial: Trial,
+    tolerance: float = FINE,
+    evaluations: int = 40,
+    fresh: Collection[str] | None = None,
 ) -> Trial:
-    """Fit on from a trial with all derivatives fresh, and judge what comes out."""
+    """Fit on from a trial, and judge what comes out.
+
+    All derivatives are taken anew at each step, or only those by the parameters of the links
+    `fresh`.
+    """
     problem = problem_of(evidence, trial.model, trial.free)
     z = problem.point(trial.model, trial.initial_hysteresis)
     if len(z) == 0:
         return trial
-    squares, z = _descend(evidence, problem, z, problem.jacobian, tolerance, evaluations)
+    jacobian: Callable[[Array], Array] = problem.jacobian
+    if fresh is not None:
+        anew = [index for index, (link, _) in enumerate(problem.free) if link in fresh]
+        jacobian = _chord(problem, problem.jacobian(z), anew)
+    squares, z = _descend(evidence, problem, z, jacobian, tolerance, evaluations)
     return judged(evidence, trial_at(problem, z, squares))
 
 
@@ -152,21 +164,27 @@ def extend(evidence: Evidence, base: Base, model: Model, added: Sequence[str]) -
         return None
     scales = np.append(problem.scales, problem.hysteresis_scales)
     count, size = len(kept), len(problem.free)
-
-    def jacobian(z: Array) -> Array:
-        columns = np.empty((base.jacobian.shape[0], len(z)), order="F")
-        columns[:, :count] = base.jacobian[:, :count] * (scales[:count] / base.scales[:count])
-        columns[:, size:] = base.jacobian[:, count:] * (scales[size:] / base.scales[count:])
-        columns = problem.projected(z, columns)
-        columns[:, count:size] = problem.columns(z, range(count, size))
-        return columns
-
+    columns = np.zeros((base.jacobian.shape[0], len(z)), order="F")
+    columns[:, :count] = base.jacobian[:, :count] * (scales[:count] / base.scales[:count])
+    columns[:, size:] = base.jacobian[:, count:] * (scales[size:] / base.scales[count:])
+    jacobian = _chord(problem, columns, range(count, size))
     try:
         z = _met_half_way(problem, z, jacobian(z), np.r_[:count, size : len(z)])
         squares, z = _descend(evidence, problem, z, jacobian, TOLERANCE, EVALUATIONS)
     except (ValueError, FloatingPointError, np.linalg.LinAlgError):
         return None
     return trial_at(problem, z, squares)
+
+
+def _chord(problem: Problem, columns: Array, anew: Sequence[int]) -> Callable[[Array], Array]:
+    """The Jacobian with some columns taken anew at each point and the others kept."""
+
+    def jacobian(z: Array) -> Array:
+        found = problem.projected(z, columns)
+        found[:, anew] = problem.columns(z, anew)
+        return found
+
+    return jacobian
 
 
 def _met_half_way(problem: Problem, z: Array, jacobian: Array, base: Indices) -> Array:

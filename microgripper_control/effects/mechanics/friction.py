@@ -82,7 +82,7 @@ def starts(scales: Scales) -> Sequence[Values]:
             "bend": bend,
             "recovery": recovery,
         }
-        for share in (0.01, 0.05, 0.2)
+        for share in (0.003, 0.02, 0.15)
         for bend, recovery in ((0.0, 1.0), (2.0, 0.1))
     ]
 
@@ -96,8 +96,8 @@ def says(values: Values, scales: Scales) -> str:
 
 
 def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
-    """What sticks stiffer than the rig itself just sticks: no recording tells how stiff."""
-    return {"stiffness": (1e-3 * scales.stiffness, scales.stiffness)}
+    """Ten times stiffer than the rig is just stuck: no recording tells more."""
+    return {"stiffness": (1e-3 * scales.stiffness, 10.0 * scales.stiffness)}
 
 
 LINK = Link(
