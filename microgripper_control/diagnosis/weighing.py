@@ -7,7 +7,8 @@ down, times the number of independent samples:
 
 M counts the residual of the refit by its autocorrelation time and is capped: many samples do not
 make a wrong law right. No law of the library is the rig's own, so the right one still leaves a
-share `mismatch` of the gap e = sqrt(refit^2 - floor^2); what it leaves below that says nothing.
+share `mismatch` of the gap e = sqrt(refit^2 - floor^2); what it leaves below that, or below the
+floor, says nothing.
 The first term is taken on the judging samples and, with a weight, on the fitted ones: an effect may
 show in the one and not in the other. Flexible laws are held back by the former.
 `odds` are what an explanation must gain before it is believed: one amount for an effect, a further
@@ -120,7 +121,8 @@ def weigh(facts: Facts, weights: Weights = CALIBRATED) -> dict[Explanation, floa
 
     def evidence(left: Left) -> float:
         slack = (weights.mismatch * np.array(gap)) ** 2 + TINY
-        gain = 0.5 * np.log((np.square(facts.refit) + slack) / (np.square(left) + slack))
+        rest = np.square(np.maximum(left, facts.floor))
+        gain = 0.5 * np.log((np.square(facts.refit) + slack) / (rest + slack))
         return count * float(gain @ (1.0, weights.fitted))
 
     logs = {NOTHING: evidence(facts.nominal) + weights.none, MISTUNED: 0.0}

@@ -47,12 +47,12 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
 
 
 def starts(scales: Scales) -> Sequence[Values]:
-    """Modes all over the band that the samples show, well damped so that none is missed between."""
+    """Modes all over the band that the samples show, so damped that none is missed between."""
     highest = 0.5 / scales.sample_period
     lowest = max(1.0, 5.0 / scales.duration, 2e-3 * highest)
     return [
-        {"share": 0.1, "frequency": frequency, "damping": 0.1}
-        for frequency in np.geomspace(lowest, highest, 20)
+        {"share": 0.1, "frequency": frequency, "damping": 0.04}
+        for frequency in np.geomspace(lowest, highest, 70)
     ]
 
 
