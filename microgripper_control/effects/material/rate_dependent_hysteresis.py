@@ -1,15 +1,18 @@
 """Hysteresis that widens with the rate of the voltage, about as its logarithm.
 
-    w_r = w - f h - e,    f = strength log10((reference + r) / (reference + pivot)),
-    r' = (|u'| - r) / memory,    e' = -fed f' h - (beta |u'| + gamma u' sgn h) e
+    w_r = w - f h - e,    f = strength R,    R = log10((reference + r) / (reference + pivot)),
+    r' = (|u'| - r) / memory,
+    e' = -fed f' h - (beta |u'| + gamma u' sgn h) e
+         - (R (fading |u'| + turning u' sgn (h + e)) + relaxation) (h + e)
 
 h is the paper's, which is what the loop is made of; the rate r forgets the past within `memory`.
 With fed = 0 the loop is scaled at once. With fed = 1 the material remembers at what rate it was
 driven: where beta and gamma are those of h, f h + e is a second Bouc-Wen variable with n = 1 that
-is fed f times as much as h. Far above `reference` each decade of the rate adds the share
-`strength`; at the rate `pivot` the loop is the paper's, which has been like that all the time
-before a run begins. A jump of a held voltage counts as its height, spread over `memory`, and finds
-r there already.
+is fed f times as much as h. `fading` and `turning` let beta and gamma depend on the rate as well,
+and with `relaxation` the hysteresis gives way with time: a slow loop is narrower. Far above
+`reference` each decade of the rate adds the share `strength`; at the rate `pivot` the loop is the
+paper's, which has been like that all the time before a run begins. A jump of a held voltage counts
+as its height, spread over `memory`, and finds r there already.
 """
 
 import math
@@ -29,7 +32,8 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
     """State: the voltage so far, r, h, f, e.
 
     A row: decay of r, what |change| of the voltage adds to r at once and on the way, 1 / reference,
-    strength / ln 10, the f at rest, fed, beta, gamma.
+    ln (1 + pivot / reference), strength, fading and turning over ln 10, fed, beta, gamma, and the
+    relaxation in the step.
     """
     steps = coefficients.shape[0]
     u, rate, h, f, e = state[0], state[1], state[2], state[3], state[4]
@@ -38,18 +42,26 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
         du, new = bus[VOLTAGE, j] - u, bus[HYSTERESIS, j]
         u = bus[VOLTAGE, j]
         way = abs(du)
-        kept = math.exp(-(c[7] * way + (c[8] * du if h + new >= 0.0 else -c[8] * du)))
+        turn = du if h + new >= 0.0 else -du
+        kept = math.exp(-(c[9] * way + c[10] * turn))
         if c[1] > 0.0:  # held: first the rate jumps, then the voltage, and then the rate decays
             rate += c[1] * way
-            jumped = c[5] + c[4] * math.log1p(rate * c[3])
-            e = kept * (e - c[6] * (jumped - f) * h)
-            f, middle = jumped, new
+            level = math.log1p(rate * c[3]) - c[4]
+            e = kept * (e - c[8] * (c[5] * level - f) * h)
+            f, over, middle = c[5] * level, new, new
+            rate = c[0] * rate + c[2] * way
+            later = c[5] * (math.log1p(rate * c[3]) - c[4])
         else:
             e *= kept
-            middle = 0.5 * (h + new) * math.sqrt(kept)
-        rate = c[0] * rate + c[2] * way
-        later = c[5] + c[4] * math.log1p(rate * c[3])
-        e -= c[6] * (later - f) * middle
+            over = 0.5 * (h + new)
+            middle = over * math.sqrt(kept)
+            rate = c[0] * rate + c[2] * way
+            level = math.log1p(rate * c[3]) - c[4]
+            later = c[5] * level
+        e -= c[8] * (later - f) * middle
+        whole = over + e
+        turn = du if whole >= 0.0 else -du
+        e += whole * math.expm1(-level * (c[6] * way + c[7] * turn) - c[11])
         h, f = new, later
         bus[FREE, j] -= f * h + e
     state[0], state[1], state[2], state[3], state[4] = u, rate, h, f, e
@@ -58,20 +70,21 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
 def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     """The levels are left alone: at rest the rate is zero."""
     memory, steps = values["memory"], np.array(timing.steps)
-    share = values["strength"] / math.log(10.0)
-    resting = -share * math.log1p(values["pivot"] / values["reference"])
-    rows = np.zeros((len(steps), 9))
+    resting = -math.log1p(values["pivot"] / values["reference"])
+    by_decade = [values[name] / math.log(10.0) for name in ("strength", "fading", "turning")]
+    rows = np.zeros((len(steps), 12))
     rows[:, 0] = np.exp(-steps / memory)
     if timing.ramped:
         rows[:, 2] = -np.expm1(-steps / memory) / steps
     else:
         rows[:, 1] = 1.0 / memory
-    rows[:, 3:] = (
-        *(1.0 / values["reference"], share, resting),
+    rows[:, 3:11] = (
+        *(1.0 / values["reference"], -resting, *by_decade),
         *(values["fed"], values["beta"], values["gamma"]),
     )
-    h = levels[HYSTERESIS]
-    state = np.array([levels[VOLTAGE], 0.0, h, resting, -values["fed"] * resting * h])
+    rows[:, 11] = values["relaxation"] * steps
+    h, f = levels[HYSTERESIS], by_decade[0] * resting
+    state = np.array([levels[VOLTAGE], 0.0, h, f, -values["fed"] * f * h])
     return Prepared(rows, state, timing.ramped)
 
 
@@ -81,13 +94,19 @@ def starts(scales: Scales) -> Sequence[Values]:
     The pivot lies between slow and fast: the refitted plant is right at rates that it has met.
     """
     shortest = 3.0 * scales.sample_period
-    pivot = {"pivot": math.sqrt(scales.rate * scales.swing / scales.duration)}
+    pivot = {"pivot": math.sqrt(scales.rate * scales.swing / scales.duration), "reference": 30.0}
     fed = {"fed": 1.0, "beta": 2.4 / scales.swing, "gamma": -3.6 / scales.swing}  # as the paper's
-    return [
+    memories = np.geomspace(shortest, max(scales.duration, 2.0 * shortest), 5)
+    widening = [
         {"strength": 0.05, "memory": min(100.0, memory)} | pivot | way
         for way in (fed, {"fed": 0.0})
-        for memory in np.geomspace(shortest, max(scales.duration, 2.0 * shortest), 5)
+        for memory in memories
     ]
+    giving_way = [
+        {"strength": 0.0, "relaxation": 0.1 / memory, "memory": shortest} | pivot | fed
+        for memory in memories
+    ]
+    return [*widening, *giving_way]
 
 
 def idle(values: Values) -> Collection[str]:
@@ -112,8 +131,11 @@ LINK = Link(
         Parameter("memory", "s", 0.02, 1e-4, 100.0, "over which the rate is averaged"),
         Parameter("beta", "1/V", 0.0152, -1.0, 100.0, "decay of e with travel, both ways"),
         Parameter("gamma", "1/V", -0.0227, -100.0, 100.0, "decay of e by direction"),
+        Parameter("fading", "1/V", 0.0, -10.0, 10.0, "what a decade of rate adds to beta", 0.0),
+        Parameter("turning", "1/V", 0.0, -10.0, 10.0, "what it adds to gamma", 0.0),
+        Parameter("relaxation", "1/s", 0.0, 0.0, 1e4, "rate at which h + e gives way", 0.0),
         Parameter("fed", "1", 1.0, 0.0, 1.0, "1: h is fed more; 0: it is scaled", fitted=False),
-        Parameter("reference", "V/s", 10.0, 1e-6, 1e9, "from where the loop widens", fitted=False),
+        Parameter("reference", "V/s", 10.0, 1e-6, 1e9, "from where the loop widens"),
         Parameter("pivot", "V/s", 0.0, 0.0, 1e9, "rate of the paper's loop", fitted=False),
     ),
     prepare=prepare,

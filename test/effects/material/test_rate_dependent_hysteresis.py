@@ -15,7 +15,8 @@ from microgripper_control.plant.simulate import Hold, Initial, simulate
 
 LINK = "rate_dependent_hysteresis"
 VALUES = {"strength": 0.2, "memory": 0.03, "reference": 5.0}
-SCALED = VALUES | {"beta": 0.0152, "gamma": -0.0227, "fed": 0.0, "pivot": 0.0}
+PLAIN = {"fading": 0.0, "turning": 0.0, "relaxation": 0.0}
+SCALED = VALUES | PLAIN | {"beta": 0.0152, "gamma": -0.0227, "fed": 0.0, "pivot": 0.0}
 
 
 def added(u: Array, h: Array, steps: tuple[float, ...], ramped: bool, **changed: float) -> Array:
@@ -111,6 +112,38 @@ def test_fed_it_is_a_second_bouc_wen_variable(paper: Model) -> None:
     gain = 5e7 / (5e7 + 8.2e5)
     expected = -gain * second(paper, u, period)
     np.testing.assert_allclose(x - plain, expected, rtol=0.0, atol=0.01 * np.ptp(expected))
+
+
+def test_beta_and_gamma_may_follow_the_rate(paper: Model) -> None:
+    """h + e is then a Bouc-Wen variable whose beta and gamma do, where it has the sign of h."""
+    period, own = 1e-3, {"fading": 1e-3, "turning": -8e-4}
+    t = period * np.arange(1500)
+    u = 60.0 * np.sin(2.0 * np.pi * (1.0 + 3.0 * t) * t)
+    model = paper.with_link(LINK, **VALUES | own | {"strength": 0.0}, beta=0.0152, gamma=-0.0227)
+    x = simulate(model, u, period, hold=Hold.FIRST, initial=Initial.REST)
+    d, alpha, beta, gamma = (paper.value("bouc_wen", n) for n in ("d", "alpha", "beta", "gamma"))
+    state, expected = np.zeros(2), []
+    for du in np.diff(u, prepend=0.0):
+
+        def change(t: float, y: Array, slope: float = float(du / period)) -> list[float]:
+            decades = np.log10(1.0 + y[1] / VALUES["reference"])
+            decay = (beta + decades * own["fading"]) * abs(slope) * y[0]
+            decay += (gamma + decades * own["turning"]) * slope * abs(y[0])
+            return [alpha * d * slope - decay, (abs(slope) - y[1]) / VALUES["memory"]]
+
+        state = solve_ivp(change, (0.0, period), state, rtol=1e-9, atol=1e-14).y[:, -1]
+        expected.append(state[0])
+    found = d * u - x * (5e7 + 8.2e5) / 5e7
+    plain = d * u - simulate(paper, u, period, hold=Hold.FIRST) * (5e7 + 8.2e5) / 5e7
+    changed = np.array(expected) - plain
+    np.testing.assert_allclose(found - plain, changed, rtol=0.0, atol=0.05 * np.ptp(changed))
+
+
+def test_what_gives_way_does_so_exponentially() -> None:
+    u, h = np.full(300, 7.0), np.full(300, 0.4)
+    out = added(u, h, (2e-3, 3e-3), False, strength=0.0, fed=1.0, relaxation=5.0)
+    t = np.cumsum(np.resize((2e-3, 3e-3), 300))
+    np.testing.assert_allclose(out, 0.4 * -np.expm1(-5.0 * t), rtol=1e-9)
 
 
 def test_fed_it_stays_where_the_voltage_rests() -> None:
