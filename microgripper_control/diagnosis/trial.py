@@ -58,8 +58,11 @@ class Trial:
 
     @property
     def both(self) -> float:
-        """The same, m, with the fitted samples given as much weight as the judging ones."""
-        return float(np.hypot(self.fitted_rmse, self.rmse) / np.sqrt(2.0))
+        """The geometric mean, m, of what is left of the fitted and of the judging samples.
+
+        One effect of two may be right and yet foretell worse while the other is missing.
+        """
+        return float(np.sqrt(self.fitted_rmse * self.rmse))
 
 
 @dataclass(frozen=True)
