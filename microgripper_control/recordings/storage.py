@@ -6,6 +6,7 @@ thousands of serialized messages side by side in one array of bytes.
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
@@ -53,11 +54,11 @@ class Block:
 
     @classmethod
     def of(cls, topic: Topic, received: Sequence[int], messages: Sequence[bytes]) -> Block:
-        """Put messages side by side."""
+        """Put messages side by side; TypeError where one is not what it should be."""
         ends = np.cumsum(np.fromiter(map(len, messages), np.int64, len(messages)))
         data = np.frombuffer(b"".join(messages), dtype=np.uint8)
         starts = np.append(np.int64(0), ends[:-1])
-        return cls(topic, np.array(received, dtype=np.int64), data, starts, ends)
+        return cls(topic, np.array(array("q", received)), data, starts, ends)
 
     def __len__(self) -> int:
         return len(self.received)
@@ -74,15 +75,15 @@ class Block:
 
 
 class StorageFile(Protocol):
-    """One file of a bag.
-
-    `storage` is rosbag2's name of the format; `counts` the messages by topic that the file itself
-    says it has, empty where it does not.
-    """
+    """One file of a bag; `storage` is rosbag2's name of the format."""
 
     storage: str
     topics: tuple[Topic, ...]
-    counts: dict[str, int]
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """The messages by topic that the file itself says it has, empty where it does not."""
+        ...
 
     @property
     def damage(self) -> str | None:
