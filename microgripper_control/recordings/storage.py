@@ -18,6 +18,7 @@ from microgripper_control.core.compiled import compiled
 
 Bytes = NDArray[np.uint8]
 Integers = NDArray[np.int64]
+Mask = NDArray[np.bool_]
 
 
 @compiled
@@ -26,6 +27,22 @@ def _gather(data: Bytes, starts: Integers, offsets: Integers, found: Bytes) -> N
     for i in range(len(starts)):
         for j in range(len(offsets)):
             found[i, j] = data[starts[i] + offsets[j]]
+
+
+@compiled
+def _compare(
+    data: Bytes, starts: Integers, ends: Integers, offsets: Integers, size: int, found: Mask
+) -> None:
+    """Fill in found[i]: data from starts[i] to ends[i] holds `size`, and at `offsets` the first's.
+
+    Offsets lie below `size`.
+    """
+    for i in range(len(starts)):
+        found[i] = ends[i] - starts[i] >= size
+        for j in range(len(offsets)):
+            if not found[i]:
+                break
+            found[i] = data[starts[i] + offsets[j]] == data[starts[0] + offsets[j]]
 
 
 @dataclass(frozen=True)
@@ -66,6 +83,15 @@ class Block:
     def message(self, index: int) -> bytes:
         """One serialized message."""
         return self.data[self.starts[index] : self.ends[index]].tobytes()
+
+    def like_first(self, offsets: Integers, size: int) -> Mask:
+        """Which messages have at least `size` bytes, and at `offsets` those of the first.
+
+        Shape (messages,). The first has so many, and offsets lie among them.
+        """
+        found = np.empty(len(self), np.bool_)
+        _compare(self.data, self.starts, self.ends, offsets, size, found)
+        return found
 
     def bytes_at(self, offsets: Integers, rows: Integers) -> Bytes:
         """The bytes at `offsets` of the messages `rows`, shape (rows, offsets)."""
