@@ -70,10 +70,14 @@ def turned_jacobian(problem: Problem, z: Array) -> Array:
     columns = np.column_stack([problem.residuals(z), problem.columns(z, range(len(problem.free)))])
     split = Split.by_recording(problem, z, columns)
     whole = np.zeros((len(z) + 1, len(z) + 1))  # residuals, free parameters, initial h
-    triangle = np.linalg.qr(split.rest)[1]
+    triangle = _triangle(split.rest)
     whole[: len(triangle), :shared] = triangle
     whole[shared:, :shared] = split.along
     whole[shared:, shared:] = np.diag(split.sizes)
-    turned = np.linalg.qr(whole)[1]
-    slopes: Array = turned[:, 1:] * np.copysign(1.0, turned[0, 0])
-    return slopes
+    turned = _triangle(whole)
+    return np.asarray(turned[:, 1:] * np.copysign(1.0, turned[0, 0]))
+
+
+def _triangle(columns: Array) -> Array:
+    """R of the QR decomposition of columns (samples, p), shape (min(samples, p), p)."""
+    return np.asarray(np.linalg.qr(columns, mode="r"))  # numpy's stub types the default mode alone
