@@ -24,6 +24,8 @@ MAGIC = b"SQLite format 3\x00"
 WRITE_AHEAD = 18, b"\2\2"  # where the header says that a -wal file belongs to it
 SMALLEST_PAGE = 512  # bytes
 SIDE_FILES = ("-wal", "-journal")  # beside a file whose writer has not finished
+# In the order of the table: an index may lie in a part that is lost.
+ROWS = "FROM messages NOT INDEXED WHERE topic_id = ? AND rowid > ? ORDER BY rowid"
 ROWS_AT_ONCE = 4096
 FARTHEST_LEAP = 2**40  # messages
 
@@ -62,32 +64,35 @@ class SqliteFile:
     def _blocks_of(self, number: int, topic: Topic) -> Iterator[Block]:
         after, leap = -1, 1  # a part that is damaged is leapt over
         while leap < FARTHEST_LEAP:
+            count = 0
             try:
-                # In the order of the table: the index by time may lie in a part that is lost.
-                cursor = self._database.execute(
-                    "SELECT rowid, timestamp, data FROM messages WHERE topic_id = ? AND rowid > ? "
-                    "ORDER BY rowid",
-                    [number, after],
-                )
+                cursor = self._database.execute(f"SELECT timestamp, data {ROWS}", [number, after])
                 while True:
                     received: list[int] = []
                     messages: list[bytes] = []
                     try:
                         # One row is let go of before the next: keeping them would cost twice.
-                        for row, at, message in islice(cursor, ROWS_AT_ONCE):
-                            after = row
+                        for at, message in islice(cursor, ROWS_AT_ONCE):
                             received.append(at)
                             messages.append(message)
                     finally:  # what comes before an error is good
                         if received:
+                            count += len(received)
                             leap = 1
                             yield from self._block(topic, received, messages)
                     if not received:
                         return
             except (sqlite3.Error, OverflowError):
                 self._note_damage()
-                after += leap
+                after = self._row(number, after, count) + leap
                 leap *= 2
+
+    def _row(self, number: int, after: int, count: int) -> int:
+        """Which row of a topic comes so many after another; all up to it could be read."""
+        if not count:
+            return after
+        query = f"SELECT rowid {ROWS} LIMIT 1 OFFSET ?"
+        return int(self._database.execute(query, [number, after, count - 1]).fetchone()[0])
 
     def _block(self, topic: Topic, received: list[int], messages: list[bytes]) -> Iterator[Block]:
         try:
