@@ -151,14 +151,14 @@ class Controller:
             self.refused += 1
         if math.isnan(self._command):
             return self.guard.voltage
+        if self._mode is Mode.CASCADE:
+            return self._cascade(displacement)
         if self._mode is Mode.OPEN_LOOP:
             return self._fade(self._command)
         if self._mode is Mode.FEEDFORWARD:
             return self._fade(self._inverse.step(self._target()))
-        if self._mode is Mode.PID:
-            error = self._reachable(self._command) - displacement
-            return self._issue(self._correct(error, displacement, 0.0), self._pid.bounded)
-        return self._cascade(displacement)
+        error = self._reachable(self._command) - displacement
+        return self._issue(self._correct(error, displacement, 0.0), self._pid.bounded)
 
     def _cascade(self, displacement: float) -> float:
         target = self._target()

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.effects.base import Link, Values
@@ -57,17 +58,17 @@ class Identified:
         chosen = _chosen(bouc_wen.LINK, material) | _chosen(second_order.LINK, mechanics)
         return cls(**chosen, voltage_range=voltage_range)
 
-    @property
+    @cached_property
     def a(self) -> float:
         """Alpha d, m/V: how fast h grows from zero."""
         return self.alpha * self.d
 
-    @property
+    @cached_property
     def compliance(self) -> float:
         """k / (k + k_s): displacement per free displacement d u - h, at rest."""
         return self.k / (self.k + self.k_s)
 
-    @property
+    @cached_property
     def gain(self) -> float:
         """K = d k / (k + k_s), m/V: displacement per volt without hysteresis, at rest.
 

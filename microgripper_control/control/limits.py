@@ -45,14 +45,17 @@ class VoltageLimits(Declared):
 
 
 class VoltageGuard:
-    """Holds the last voltage that went out and lets the next one follow it."""
+    """Holds the last voltage that went out and lets the next one follow it.
+
+    `lowest` and `highest` are the voltages, V, between which the next one may go out.
+    """
 
     def __init__(self, limits: VoltageLimits, sample_period: float) -> None:
         self._limits = limits
         self._period = sample_period
         self._largest_change = limits.rate * sample_period
         self._ramp_change = limits.ramp_rate * sample_period
-        self._voltage = limits.safe
+        self._stand_at(limits.safe)
 
     @property
     def limits(self) -> VoltageLimits:
@@ -64,16 +67,6 @@ class VoltageGuard:
         """The last voltage that went out, V."""
         return self._voltage
 
-    @property
-    def lowest(self) -> float:
-        """The lowest voltage that may go out next, V."""
-        return max(self._limits.low, self._voltage - self._largest_change)
-
-    @property
-    def highest(self) -> float:
-        """The highest voltage that may go out next, V."""
-        return min(self._limits.high, self._voltage + self._largest_change)
-
     def start(self, reported: float, elapsed: float = math.inf) -> float:
         """Begin at the voltage that the plant reports, V; the range comes first if it is outside.
 
@@ -84,7 +77,7 @@ class VoltageGuard:
             raise MicrogripperError(f"plant: reports {reported} V; wait for a finite voltage")
         change = self._limits.rate * max(elapsed, 0.0)
         near = min(max(reported, self._voltage - change), self._voltage + change)
-        self._voltage = self._limits.clip(near)
+        self._stand_at(self._limits.clip(near))
         return self._voltage
 
     def passed(self, elapsed: float) -> None:
@@ -94,11 +87,12 @@ class VoltageGuard:
         jump, and samples that come too fast must not make the voltage fast.
         """
         self._largest_change = self._limits.rate * min(max(elapsed, 0.0), self._period)
+        self._stand_at(self._voltage)
 
     def step(self, command: float) -> float:
         """The voltage to publish for a command, V; NaN and infinities repeat the last one."""
         if math.isfinite(command):
-            self._voltage = min(max(command, self.lowest), self.highest)
+            self._stand_at(min(max(command, self.lowest), self.highest))
         return self._voltage
 
     def ramp_to(self, goal: float) -> float:
@@ -107,7 +101,11 @@ class VoltageGuard:
             goal = self._limits.clip(goal)
             change = min(max(goal - self._voltage, -self._ramp_change), self._ramp_change)
             # Not the sum where the goal is in reach: rounding must not keep it from arriving.
-            self._voltage = self._limits.clip(
-                goal if abs(change) < self._ramp_change else self._voltage + change
-            )
+            arrives = abs(change) < self._ramp_change
+            self._stand_at(self._limits.clip(goal if arrives else self._voltage + change))
         return self._voltage
+
+    def _stand_at(self, voltage: float) -> None:
+        self._voltage = voltage
+        self.lowest = max(self._limits.low, voltage - self._largest_change)
+        self.highest = min(self._limits.high, voltage + self._largest_change)

@@ -39,7 +39,7 @@ class Lookahead:
         slope = 0.0 if math.isnan(self._last) else setpoint - self._last
         bend = slope - self._slope
         oldest = self._slope - self._bend
-        middle = max(min(slope, self._slope), min(max(slope, self._slope), oldest))
+        middle = sorted((slope, self._slope, oldest))[1]
         steady = 0.0
         if bend * self._bend > 0.0:
             steady = bend if abs(bend) < abs(self._bend) else self._bend

@@ -96,7 +96,7 @@ class Pid:
         self._error, self._signal = error, signal
         self._derivative, self.integral = derivative, integral
         self.bounded = above or below
-        self.output = min(max(output, low), high)
+        self.output = high if above else low if below else output
         return self.output
 
     def join(self, output: float, error: float, measurement: float) -> float:

@@ -13,6 +13,7 @@ import numpy as np
 from microgripper_control.core.signals import Array
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.confidence import autocorrelation_time, covariance
+from microgripper_control.identification.elimination import Split
 from microgripper_control.identification.problem import Problem
 from microgripper_control.identification.search import descend
 from microgripper_control.plant.model import Key, Model
@@ -48,14 +49,15 @@ def free_parameters(model: Model) -> tuple[tuple[Key, ...], tuple[Undetermined, 
 
 
 def variances(problem: Problem, z: Array) -> Array:
-    """Variances of z, shape (len(z),)."""
-    residuals = problem.split_residuals(z)
-    return np.diag(covariance(problem.jacobian(z), residuals, problem.eliminated))
+    """Variances of the free parameters in z, shape (len(problem.free),)."""
+    split = Split.by_recording(problem, z, problem.columns(z, range(len(problem.free))))
+    eliminated = problem.eliminated + len(split.sizes)
+    return np.diag(covariance(split.rest, problem.split_residuals(z), eliminated))
 
 
 def _errors(problem: Problem, z: Array) -> Array:
     """Standard error of each free parameter relative to its size."""
-    return np.sqrt(variances(problem, z)[: len(problem.free)])
+    return np.sqrt(variances(problem, z))
 
 
 def _extended(problem: Problem, z: Array, extra: Sequence[Key]) -> tuple[Problem, Array]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise, starmap
 
 import numpy as np
 
@@ -51,6 +52,12 @@ class Problem:
         if self.used is not None:
             masks = [mask & used for mask, used in zip(masks, self.used, strict=True)]
         return masks
+
+    @cached_property
+    def parts(self) -> list[slice]:
+        """Where each recording's samples lie among the residuals."""
+        ends = np.cumsum([0, *map(np.count_nonzero, self.masks)]).tolist()
+        return list(starmap(slice, pairwise(ends)))
 
     @property
     def eliminated(self) -> int:
@@ -151,7 +158,8 @@ class Problem:
         columns = np.zeros((len(base), len(wanted)), order="F")
         for column, index in enumerate(wanted):
             if index >= len(self.free):
-                self._by_hysteresis(z, index - len(self.free), base, columns[:, column])
+                recording = index - len(self.free)
+                columns[self.parts[recording], column] = self._by_hysteresis(z, recording)
                 continue
             shifted = z.copy()
             step = DIFFERENCE if z[index] + DIFFERENCE <= high[index] else -DIFFERENCE
@@ -159,22 +167,26 @@ class Problem:
             columns[:, column] = (self.residuals(shifted) - base) / step
         return columns
 
+    def own_columns(self, z: Array) -> list[Array]:
+        """Of each recording the derivative of its residuals, shape (n,), by its own initial h.
+
+        None if these are known.
+        """
+        return [self._by_hysteresis(z, index) for index in range(len(self.hysteresis_scales))]
+
     def projected(self, z: Array, columns: Array) -> Array:
         """Columns of shape (samples, p) without what the courses at a point could explain."""
-        model, start, parts = self.model_at(z), 0, []
-        for index, mask in enumerate(self.masks):
-            part = slice(start, start + int(np.count_nonzero(mask)))
-            parts.append(self._projection(model, index)(columns[part]))
-            start = part.stop
-        return np.concatenate(parts)
+        model = self.model_at(z)
+        return np.concatenate(
+            [self._projection(model, i)(columns[part]) for i, part in enumerate(self.parts)]
+        )
 
-    def _by_hysteresis(self, z: Array, index: int, base: Array, column: Array) -> None:
-        """Fill in the derivative by the initial h of one recording, which only it feels."""
-        start = sum(int(np.count_nonzero(mask)) for mask in self.masks[:index])
-        h = self.initial_hysteresis(z)[index] + DIFFERENCE * float(self.hysteresis_scales[index])
+    def _by_hysteresis(self, z: Array, index: int) -> Array:
+        """The derivative by the initial h of one recording on its own samples, shape (n,)."""
+        h = float((z[len(self.free) + index] + DIFFERENCE) * self.hysteresis_scales[index])
         moved = self._residual(self.model_at(z), index, h)
-        part = slice(start, start + len(moved))
-        column[part] = (moved - base[part]) / DIFFERENCE
+        slope: Array = (moved - self.residuals(z)[self.parts[index]]) / DIFFERENCE
+        return slope
 
     def _error(self, model: Model, index: int, h: float) -> Array:
         recording = self.recordings[index]

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from scipy.optimize import least_squares, minimize
 
 from microgripper_control.core.signals import Array
+from microgripper_control.identification.elimination import turned_jacobian, turned_residuals
 from microgripper_control.identification.nuisance import fit_nuisance
 from microgripper_control.identification.problem import Problem
 from microgripper_control.identification.start import GRID_KEYS, better_start
@@ -45,9 +48,9 @@ def descend(problem: Problem, z: Array) -> Array:
     low, high = problem.bounds
     inside = np.clip(z, low, high)
     best = least_squares(
-        problem.residuals,
+        partial(turned_residuals, problem),
         inside,
-        jac=problem.jacobian,
+        jac=partial(turned_jacobian, problem),
         bounds=(low, high),
         method="trf",
         x_scale="jac",

@@ -12,7 +12,10 @@ from itertools import product
 
 import numpy as np
 
+from microgripper_control.core.recording import Recording
+from microgripper_control.core.signals import Array
 from microgripper_control.identification.nuisance import (
+    Conditions,
     Projection,
     courses,
     largest_hysteresis,
@@ -51,37 +54,46 @@ def better_start(problem: Problem, initial: Sequence[float]) -> tuple[Model, lis
 
 
 def _solve(problem: Problem, model: Model) -> tuple[float, Model, list[float]] | None:
-    """Linear least squares for d, alpha d and the initial h at the model's beta and gamma."""
-    linear, hysteretic = model.with_values({ALPHA: 0.0}), model.with_values({ALPHA: PROBE_ALPHA})
-    conditions, recordings = problem.conditions, problem.recordings
-    unknown = not conditions.knows_initial_hysteresis
-    columns = 2 + (len(recordings) if unknown else 0)
-    normal, right, total = np.zeros((columns, columns)), np.zeros(columns), 0.0
-    probes = []
-    for index, recording in enumerate(recordings):
+    """Linear least squares for d, alpha d and the initial h at the model's beta and gamma.
+
+    A recording's initial h is eliminated from its own normal equations, so that what it costs does
+    not grow with the number of recordings.
+    """
+    normal = np.zeros((3, 3))  # of d, alpha d and what is measured
+    shares, probes = [], []  # of each recording's initial h in these
+    for index, recording in enumerate(problem.recordings):
         mask = problem.masks[index]
-        shapes = courses(model, recording)[:, mask]
-        straight = response(linear, recording, conditions, 0.0)
-        bent = response(hysteretic, recording, conditions, 0.0)
-        basis = np.zeros((columns, np.count_nonzero(mask)))
-        basis[0], basis[1] = straight[mask], (bent - straight)[mask]
-        if unknown:
-            probes.append(PROBE_HYSTERESIS * largest_hysteresis(hysteretic, recording))
-            moved = response(hysteretic, recording, conditions, probes[-1])
-            basis[2 + index] = (moved - bent)[mask]
-        if not np.all(np.abs(basis) < RUN_AWAY):
+        rows, probe = _responses(model, recording, problem.conditions)
+        rows = rows[:, mask]
+        if not np.all(np.abs(rows) < RUN_AWAY):
             return None
-        without = Projection.off(shapes)
-        basis = np.array([without(row) for row in basis])
-        measured = without(recording.measured[mask])
-        normal += basis @ basis.T
-        right += basis @ measured
-        total += float(measured @ measured)
-    weights, *_ = np.linalg.lstsq(normal, right, rcond=1e-12)
+        without = Projection.off(courses(model, recording)[:, mask])
+        rows = np.array([without(row) for row in rows])
+        own = rows @ rows.T
+        share = own[3, :3] / own[3, 3] if own[3, 3] > 0.0 else np.zeros(3)
+        normal += own[:3, :3] - np.outer(own[3, :3], share)
+        shares.append(share)
+        probes.append(probe)
+    weights, *_ = np.linalg.lstsq(normal[:2, :2], normal[:2, 2], rcond=1e-12)
     alpha = PROBE_ALPHA * weights[1] / weights[0] if weights[0] > 0.0 else -1.0
     if not 0.0 < alpha < LARGEST_ALPHA:
         return None
-    initial = [float(w * p) for w, p in zip(weights[2:], probes, strict=True)]
+    left = np.append(-weights, 1.0)
+    initial = [float(share @ left) * probe for share, probe in zip(shares, probes, strict=True)]
     found = model.with_values({D: model.value(*D) * float(weights[0]), ALPHA: float(alpha)})
-    squares = total - float(weights @ right)
-    return squares, found, initial or [0.0] * len(recordings)
+    return float(normal[2, 2] - weights @ normal[:2, 2]), found, initial
+
+
+def _responses(model: Model, recording: Recording, conditions: Conditions) -> tuple[Array, float]:
+    """What d and alpha d do, what was measured, and what the initial h does, m, shape (4, n).
+
+    The initial h is the one returned, m; where it is known its row is zero.
+    """
+    linear, hysteretic = model.with_values({ALPHA: 0.0}), model.with_values({ALPHA: PROBE_ALPHA})
+    straight = response(linear, recording, conditions, 0.0)
+    bent = response(hysteretic, recording, conditions, 0.0)
+    probe, own = 0.0, np.zeros(len(recording))
+    if not conditions.knows_initial_hysteresis:
+        probe = PROBE_HYSTERESIS * largest_hysteresis(hysteretic, recording)
+        own = response(hysteretic, recording, conditions, probe) - bent
+    return np.stack([straight, bent - straight, recording.measured, own]), probe

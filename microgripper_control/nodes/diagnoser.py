@@ -40,7 +40,7 @@ from microgripper_control.nodes.parameters import (
 from microgripper_control.nodes.shell import Shell, run
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.model_file import load_model
-from microgripper_control.recordings.write import write_csv
+from microgripper_control.recordings.csv import write_csv
 
 GAP_WINDOW = Parameter("gap_window", "s", 5.0, 0.1, 600.0, "time over which the gap is taken")
 PUBLISH_RATE = Parameter("publish_rate", "Hz", 10.0, 0.1, 100.0, "of gap and noise_floor")

@@ -15,6 +15,7 @@ from typing import TextIO
 import numpy as np
 
 from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.files import written_whole
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
 from microgripper_control.recordings.clock import Samples, on_uniform_clock
@@ -51,6 +52,23 @@ def read_csv(path: Path, mapping: Mapping, *, needs_displacement: bool) -> Recor
         values["time"], values["voltage"], values.get("displacement"), values.get("setpoint")
     )
     return on_uniform_clock(str(path), samples)
+
+
+def write_csv(path: str | Path, recording: Recording) -> None:
+    """Write `time_s,voltage_V` and what else was recorded; every digit is kept.
+
+    Samples that were filled in are left out: whoever reads the file fills them in and knows it.
+    """
+    columns = {"time_s": recording.time, "voltage_V": recording.voltage}
+    if recording.displacement is not None:
+        columns["displacement_m"] = recording.displacement
+    if recording.setpoint is not None:
+        columns["setpoint_m"] = recording.setpoint
+    with written_whole(path) as file:
+        file.write(",".join(columns) + "\n")
+        read = recording.present
+        for row in zip(*(column[read].tolist() for column in columns.values()), strict=True):
+            file.write(",".join(map(repr, row)) + "\n")
 
 
 def read_columns(path: Path, names: Sequence[str]) -> Array:

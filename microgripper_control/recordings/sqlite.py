@@ -11,6 +11,7 @@ import shutil
 import sqlite3
 import struct
 from collections.abc import Collection, Iterator
+from functools import cached_property
 from itertools import islice
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -23,6 +24,8 @@ MAGIC = b"SQLite format 3\x00"
 WRITE_AHEAD = 18, b"\2\2"  # where the header says that a -wal file belongs to it
 SMALLEST_PAGE = 512  # bytes
 SIDE_FILES = ("-wal", "-journal")  # beside a file whose writer has not finished
+# In the order of the table: an index may lie in a part that is lost.
+ROWS = "FROM messages NOT INDEXED WHERE topic_id = ? AND rowid > ? ORDER BY rowid"
 ROWS_AT_ONCE = 4096
 FARTHEST_LEAP = 2**40  # messages
 
@@ -51,7 +54,6 @@ class SqliteFile:
             self.close()
             raise
         self.topics = tuple(dict.fromkeys(self._numbers.values()))
-        self.counts = self._read_counts()
 
     def blocks(self, topics: Collection[Topic]) -> Iterator[Block]:
         """The messages of some topics, one topic after the other, in the order of receipt."""
@@ -62,39 +64,57 @@ class SqliteFile:
     def _blocks_of(self, number: int, topic: Topic) -> Iterator[Block]:
         after, leap = -1, 1  # a part that is damaged is leapt over
         while leap < FARTHEST_LEAP:
+            count = 0
             try:
-                # In the order of the table: the index by time may lie in a part that is lost.
-                cursor = self._database.execute(
-                    "SELECT rowid, timestamp, data FROM messages WHERE topic_id = ? AND rowid > ? "
-                    "ORDER BY rowid",
-                    [number, after],
-                )
+                cursor = self._database.execute(f"SELECT timestamp, data {ROWS}", [number, after])
                 while True:
-                    rows: list[tuple[int, object, object]] = []
+                    received: list[int] = []
+                    messages: list[bytes] = []
                     try:
-                        rows.extend(islice(cursor, ROWS_AT_ONCE))
+                        # One row is let go of before the next: keeping them would cost twice.
+                        for at, message in islice(cursor, ROWS_AT_ONCE):
+                            received.append(at)
+                            messages.append(message)
                     finally:  # what comes before an error is good
-                        if rows:
-                            after, leap = rows[-1][0], 1
-                            yield from self._block(topic, rows)
-                    if not rows:
+                        if received:
+                            count += len(received)
+                            leap = 1
+                            yield from self._block(topic, received, messages)
+                    if not received:
                         return
             except (sqlite3.Error, OverflowError):
                 self._note_damage()
-                after += leap
+                after = self._row(number, after, count) + leap
                 leap *= 2
 
-    def _block(self, topic: Topic, rows: list[tuple[int, object, object]]) -> Iterator[Block]:
-        good = [
-            (at, data) for _, at, data in rows if isinstance(at, int) and isinstance(data, bytes)
-        ]
-        if len(good) < len(rows):
+    def _row(self, number: int, after: int, count: int) -> int:
+        """Which row of a topic comes so many after another; all up to it could be read."""
+        if not count:
+            return after
+        query = f"SELECT rowid {ROWS} LIMIT 1 OFFSET ?"
+        return int(self._database.execute(query, [number, after, count - 1]).fetchone()[0])
+
+    def _block(self, topic: Topic, received: list[int], messages: list[bytes]) -> Iterator[Block]:
+        try:
+            yield Block.of(topic, received, messages)
+        except TypeError:  # a column of SQLite's may hold anything
             self._note_damage()
-        if good:
-            yield Block.of(topic, [at for at, _ in good], [data for _, data in good])
+            rows = zip(received, messages, strict=True)
+            good = [row for row in rows if isinstance(row[0], int) and isinstance(row[1], bytes)]
+            if good:
+                yield Block.of(topic, *zip(*good, strict=True))
 
     def _note_damage(self) -> None:
         self.damage = f"{self._path.name} is damaged: what could not be read is missing"
+
+    @cached_property
+    def counts(self) -> dict[str, int]:
+        """As the file itself says, since version 4 of the format."""
+        try:
+            rows = self._database.execute("SELECT metadata FROM metadata ORDER BY id").fetchall()
+        except sqlite3.Error:
+            return {}
+        return counts_in(str(rows[-1][0])) if rows else {}
 
     def close(self) -> None:
         """Let go of the file."""
@@ -163,10 +183,3 @@ class SqliteFile:
                 f"SELECT id, name, type, serialization_format, {qos} FROM topics"
             )
         }
-
-    def _read_counts(self) -> dict[str, int]:
-        try:
-            rows = self._database.execute("SELECT metadata FROM metadata ORDER BY id").fetchall()
-        except sqlite3.Error:  # not there before version 4 of the format
-            return {}
-        return counts_in(str(rows[-1][0])) if rows else {}

@@ -6,6 +6,7 @@ thousands of serialized messages side by side in one array of bytes.
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
@@ -17,6 +18,7 @@ from microgripper_control.core.compiled import compiled
 
 Bytes = NDArray[np.uint8]
 Integers = NDArray[np.int64]
+Mask = NDArray[np.bool_]
 
 
 @compiled
@@ -25,6 +27,22 @@ def _gather(data: Bytes, starts: Integers, offsets: Integers, found: Bytes) -> N
     for i in range(len(starts)):
         for j in range(len(offsets)):
             found[i, j] = data[starts[i] + offsets[j]]
+
+
+@compiled
+def _compare(
+    data: Bytes, starts: Integers, ends: Integers, offsets: Integers, size: int, found: Mask
+) -> None:
+    """Fill in found[i]: data from starts[i] to ends[i] holds `size`, and at `offsets` the first's.
+
+    Offsets lie below `size`.
+    """
+    for i in range(len(starts)):
+        found[i] = ends[i] - starts[i] >= size
+        for j in range(len(offsets)):
+            if not found[i]:
+                break
+            found[i] = data[starts[i] + offsets[j]] == data[starts[0] + offsets[j]]
 
 
 @dataclass(frozen=True)
@@ -53,11 +71,11 @@ class Block:
 
     @classmethod
     def of(cls, topic: Topic, received: Sequence[int], messages: Sequence[bytes]) -> Block:
-        """Put messages side by side."""
+        """Put messages side by side; TypeError where one is not what it should be."""
         ends = np.cumsum(np.fromiter(map(len, messages), np.int64, len(messages)))
         data = np.frombuffer(b"".join(messages), dtype=np.uint8)
         starts = np.append(np.int64(0), ends[:-1])
-        return cls(topic, np.array(received, dtype=np.int64), data, starts, ends)
+        return cls(topic, np.array(array("q", received)), data, starts, ends)
 
     def __len__(self) -> int:
         return len(self.received)
@@ -65,6 +83,15 @@ class Block:
     def message(self, index: int) -> bytes:
         """One serialized message."""
         return self.data[self.starts[index] : self.ends[index]].tobytes()
+
+    def like_first(self, offsets: Integers, size: int) -> Mask:
+        """Which messages have at least `size` bytes, and at `offsets` those of the first.
+
+        Shape (messages,). The first has so many, and offsets lie among them.
+        """
+        found = np.empty(len(self), np.bool_)
+        _compare(self.data, self.starts, self.ends, offsets, size, found)
+        return found
 
     def bytes_at(self, offsets: Integers, rows: Integers) -> Bytes:
         """The bytes at `offsets` of the messages `rows`, shape (rows, offsets)."""
@@ -74,15 +101,15 @@ class Block:
 
 
 class StorageFile(Protocol):
-    """One file of a bag.
-
-    `storage` is rosbag2's name of the format; `counts` the messages by topic that the file itself
-    says it has, empty where it does not.
-    """
+    """One file of a bag; `storage` is rosbag2's name of the format."""
 
     storage: str
     topics: tuple[Topic, ...]
-    counts: dict[str, int]
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """The messages by topic that the file itself says it has, empty where it does not."""
+        ...
 
     @property
     def damage(self) -> str | None:

@@ -59,21 +59,12 @@ def block_values(block: Block, types: Typesdict, pick: Pick, before: int) -> Arr
 
     layout, places = work_out(0)
     values = np.full((len(block), len(places)), np.nan)
-    alike = _sharing(block, layout)
+    alike = block.like_first(np.array(layout.fixed), layout.size)
     _fill(values, block, np.flatnonzero(alike), places)
     for index in np.flatnonzero(~alike):
         _, places = work_out(int(index))
         _fill(values, block, np.array([index]), places)
     return values
-
-
-def _sharing(block: Block, layout: Layout) -> np.ndarray:
-    """Which messages have the layout of the first, shape (messages,), boolean."""
-    alike = block.ends - block.starts >= layout.size
-    rows = np.flatnonzero(alike)
-    fixed = block.bytes_at(np.array(layout.fixed), rows)
-    alike[rows] = np.all(fixed == fixed[0], axis=1)
-    return alike
 
 
 def _fill(values: Array, block: Block, rows: Integers, places: Sequence[Place | None]) -> None:

@@ -1,4 +1,4 @@
-"""Recordings out: a rosbag2 all at once, and CSV."""
+"""Recordings out: a rosbag2 all at once."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 from rosbags.typesys import Stores, get_typestore
 
-from microgripper_control.core.files import written_whole
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
 from microgripper_control.recordings.bag_recording import FLOAT64, JOINT, JOINT_STATE
@@ -15,23 +14,6 @@ from microgripper_control.recordings.bag_writer import BagWriter
 
 JOINT_STATES = "/microgripper/joint_states"
 SETPOINT = "/microgripper/setpoint"
-
-
-def write_csv(path: str | Path, recording: Recording) -> None:
-    """Write `time_s,voltage_V` and what else was recorded; every digit is kept.
-
-    Samples that were filled in are left out: whoever reads the file fills them in and knows it.
-    """
-    columns = {"time_s": recording.time, "voltage_V": recording.voltage}
-    if recording.displacement is not None:
-        columns["displacement_m"] = recording.displacement
-    if recording.setpoint is not None:
-        columns["setpoint_m"] = recording.setpoint
-    with written_whole(path) as file:
-        file.write(",".join(columns) + "\n")
-        read = recording.present
-        for row in zip(*(column[read].tolist() for column in columns.values()), strict=True):
-            file.write(",".join(map(repr, row)) + "\n")
 
 
 def write_bag(path: str | Path, recording: Recording, storage: str = "mcap") -> None:

@@ -19,7 +19,7 @@ from microgripper_control.diagnosis.findings import EFFECTS, NONE, PARAMETERS
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.model_file import load_model, save_model
 from microgripper_control.plant.simulate import simulate
-from microgripper_control.recordings.write import write_csv
+from microgripper_control.recordings.csv import write_csv
 
 PERIOD, NOISE = 1e-3, 15e-9
 MISTUNED = {"d": 1.07, "alpha": 0.92, "beta": 1.1, "gamma": 0.93}

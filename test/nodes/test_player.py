@@ -11,8 +11,9 @@ from std_msgs.msg import Float64
 from microgripper_control.core.recording import Recording
 from microgripper_control.plant.model import nominal_model
 from microgripper_control.plant.simulate import simulate
+from microgripper_control.recordings.csv import write_csv
 from microgripper_control.recordings.read import read_recording
-from microgripper_control.recordings.write import write_bag, write_csv
+from microgripper_control.recordings.write import write_bag
 
 pytestmark = pytest.mark.ros
 

@@ -191,3 +191,16 @@ def test_a_field_that_is_not_there_lists_those_that_are() -> None:
         layout.place("volts")
     with pytest.raises(LayoutError, match=r"has no number volts\[3\]; it has data"):
         layout.place("volts[3]")
+
+
+def test_messages_are_like_the_first_where_they_are_long_enough_and_share_its_bytes() -> None:
+    messages = [b"abcd", b"abXd", b"aXcd", b"abc", b"abcdX", b""]
+    block = Block.of(Topic("t", "k"), range(6), messages)
+    found = block.like_first(np.array([0, 1, 3]), 4)
+    assert found.tolist() == [True, True, False, False, True, False]
+
+
+@pytest.mark.parametrize(("received", "messages"), [([1.5], [b"a"]), ([1], ["a"]), ([1], [None])])
+def test_a_block_takes_whole_times_and_bytes_alone(received: list, messages: list) -> None:
+    with pytest.raises(TypeError):
+        Block.of(Topic("t", "k"), received, messages)

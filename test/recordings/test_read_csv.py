@@ -7,9 +7,9 @@ import pytest
 
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.recording import Recording
+from microgripper_control.recordings.csv import write_csv
 from microgripper_control.recordings.mapping import Mapping
 from microgripper_control.recordings.read import read_recording
-from microgripper_control.recordings.write import write_csv
 
 COUNT = 50
 HEADER = "time_s,voltage_V,displacement_m"

@@ -16,9 +16,10 @@ from microgripper_control.plant.model import nominal_model
 from microgripper_control.plant.model_file import load_model, save_model
 from microgripper_control.recordings.bag import Bag
 from microgripper_control.recordings.bag_writer import BagWriter
+from microgripper_control.recordings.csv import write_csv
 from microgripper_control.recordings.mapping import Mapping
 from microgripper_control.recordings.read import read_recording
-from microgripper_control.recordings.write import write_bag, write_csv
+from microgripper_control.recordings.write import write_bag
 from microgripper_control.report.demo_page import Chapter, Shown, write_demo_page
 from microgripper_control.report.diagnosis_page import write_diagnosis_report
 
