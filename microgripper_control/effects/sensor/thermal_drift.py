@@ -12,7 +12,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from microgripper_control.core.compiled import compiled
 from microgripper_control.core.parameters import Parameter
@@ -42,6 +41,8 @@ def courses(values: Values, time: Array) -> Array:
 
     Their weights are what has drifted since the first sample until each knot, m.
     """
+    from scipy.interpolate import CubicSpline  # takes 0.2 s to import: not for a node
+
     knots = np.linspace(time[0], time[-1], PIECES + 1)
     shapes: Array = CubicSpline(knots, np.eye(PIECES + 1), bc_type="natural")(time).T[1:]
     return shapes
