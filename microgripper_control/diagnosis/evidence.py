@@ -28,6 +28,7 @@ from microgripper_control.identification.nuisance import (
     heldout_prediction,
 )
 from microgripper_control.plant.model import Model
+from microgripper_control.plant.simulate import Initial
 
 GAP = 0.05  # of a block, on each side of a judged one
 MOST_COMPARED = 300_000  # samples: an explanation takes hundreds of comparisons
@@ -94,8 +95,10 @@ class Evidence:
     def pieces(self, most: int) -> Evidence:
         """The same with about `most` samples to fit and as many that judge.
 
-        Of longer recordings pieces are kept, each as a recording of its own.
+        Of longer recordings pieces are kept, each as a recording of its own. A period is not cut.
         """
+        if self.conditions.initial is Initial.PERIODIC:
+            return self
         fitted, used = _pieces_of(self.fitted, self.used, most, self.separate)
         judged, compared = fitted, _all(fitted)
         if self.separate:
@@ -189,7 +192,8 @@ def _pieces_of(
         return recordings, masks
     pieces, counted = [], []
     for recording, mask in zip(recordings, masks, strict=True):
-        for part in _parts(len(recording), len(recording) * most / total, anywhere):
+        begin = int(np.argmax(mask)) if anywhere else 0
+        for part in _parts(begin, len(recording), len(recording) * most / total, anywhere):
             lead = int(LEAD_IN * (part.stop - part.start)) if anywhere and part.start > 0 else 0
             counts = mask[part] & (np.arange(part.stop - part.start) >= lead)
             if np.any(counts):
@@ -198,22 +202,23 @@ def _pieces_of(
     return tuple(pieces), tuple(counted)
 
 
-def _parts(length: int, quota: float, anywhere: bool) -> Iterator[slice]:
-    """Stretches of a recording of some length that together have about `quota` samples.
+def _parts(begin: int, end: int, quota: float, anywhere: bool) -> Iterator[slice]:
+    """Stretches between two samples of a recording that together have about `quota` samples.
 
     `anywhere` few and long ones, evenly spread; else the beginnings of the odd blocks.
     """
     quota = max(SHORTEST_PIECE, round(quota))
     if anywhere:
         count = min(MOST_PIECES, max(1, quota // LONG_PIECE))
-        span = min(quota // count, length // count)
-        firsts = [index * (length // count) for index in range(count)]
+        each = (end - begin) // count
+        span = min(quota // count, each)
+        firsts = [begin + index * each for index in range(count)]
     else:
-        block = length // BLOCKS
+        block = (end - begin) // BLOCKS
         span = min(block, max(SHORTEST_PIECE, quota // (BLOCKS // 2)))
-        firsts = list(range(0, BLOCKS * block, 2 * block))
+        firsts = list(range(begin, begin + BLOCKS * block, 2 * block))
     for first in firsts:
-        yield slice(first, min(first + span, length))
+        yield slice(first, min(first + span, end))
 
 
 def _piece(recording: Recording, part: slice) -> Recording:

@@ -233,7 +233,8 @@ def _round(
     yield from found
     # Far from the base its derivatives mislead: the best go on with fresh ones.
     before = bases[0].trial
-    best = sorted((t for t in found if t.free != before.free), key=lambda t: t.fitted_rmse)
+    fits = [t for t in found if t.free != before.free and np.isfinite(t.fitted_rmse)]
+    best = sorted(fits, key=lambda trial: trial.fitted_rmse)
     if not best or not _unexplained([before], pool):
         return
     progress("the best of them", 0, 1)
@@ -255,9 +256,12 @@ def polish(evidence: Evidence, trial: Trial) -> Trial:
 
 def _promise(evidence: Evidence, bases: Sequence[Base], name: str) -> tuple[str, float]:
     """The share of a residual's power, at best, that is left when an effect joins in."""
-    with np.errstate(all="ignore"):
-        part, anchors = on_a_part(evidence, bases, name, GLANCE)
-        found = guesses(part, anchors, name, 1)
+    try:
+        with np.errstate(all="ignore"):
+            part, anchors = on_a_part(evidence, bases, name, GLANCE)
+            found = guesses(part, anchors, name, 1)
+    except (ArithmeticError, ValueError, np.linalg.LinAlgError):
+        return name, np.inf
     power = float(anchors[0].residual @ anchors[0].residual)
     return name, found[0].least / power if found and power > 0.0 else np.inf
 

@@ -1,7 +1,7 @@
 """Less to look at where each sample is dear.
 
-A force in the mechanics that remembers the way is balanced several times a sample. It knows the way
-and not the time, so stretches of the recordings show enough of it to begin with.
+Under a zero-order hold a force that remembers the way is balanced several times a sample. It knows
+the way and not the time, so stretches of the recordings show enough of it to begin with.
 """
 
 from __future__ import annotations
@@ -11,8 +11,11 @@ from collections.abc import Iterable, Sequence
 from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.trial import Base, Trial, base_of, moved, refine
 from microgripper_control.effects.registry import registry
+from microgripper_control.plant.simulate import Hold
 
 PART = 15_000  # samples that are fitted then
+MANY = 40_000  # samples
+TO_THE_END, MOST = 1e-5, 60  # tolerance and evaluations of a fit to fewer
 ENOUGH, FEWER = 1e-3, 8  # tolerance and evaluations of a fit to all of them,
 ROUNDS, WORTH_ANOTHER = 3, 0.9  # which goes on as long as it takes away a tenth each time
 
@@ -21,16 +24,23 @@ def on_a_part(
     evidence: Evidence, bases: Sequence[Base], name: str, most: int = PART
 ) -> tuple[Evidence, Sequence[Base]]:
     """What to try an effect on and the bases there: with a dear force, about `most` samples."""
-    part = evidence.pieces(most) if any_dear((name, *bases[0].trial.effects)) else evidence
+    held = evidence.conditions.hold is Hold.ZERO
+    dear = held and any_dear((name, *bases[0].trial.effects))
+    part = evidence.pieces(most) if dear else evidence
     if part is evidence:
         return evidence, bases
     return part, [base_of(part, moved(part, base.trial)) for base in bases]
 
 
 def refined(evidence: Evidence, trial: Trial, tolerance: float, evaluations: int) -> Trial:
-    """Fit on and judge what comes out; with a dear force not as far, and with fewer derivatives."""
+    """Fit on and judge what comes out; of many dear samples with fewer derivatives.
+
+    Of few a dear force is fitted to the end: it bends while it is fitted, and gets there late.
+    """
     if not any_dear(trial.effects):
         return refine(evidence, trial, tolerance, evaluations)
+    if sum(len(recording) for recording in evidence.fitted) <= MANY:
+        return refine(evidence, trial, TO_THE_END, MOST)
     for _ in range(ROUNDS):
         before = trial.fitted_rmse
         trial = refine(evidence, trial, ENOUGH, FEWER, fresh=trial.effects)

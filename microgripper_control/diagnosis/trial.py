@@ -58,11 +58,8 @@ class Trial:
 
     @property
     def both(self) -> float:
-        """The geometric mean, m, of what is left of the fitted and of the judging samples.
-
-        One effect of two may be right and yet foretell worse while the other is missing.
-        """
-        return float(np.sqrt(self.fitted_rmse * self.rmse))
+        """The same, m, with the fitted samples given as much weight as the judging ones."""
+        return float(np.hypot(self.fitted_rmse, self.rmse) / np.sqrt(2.0))
 
 
 @dataclass(frozen=True)
@@ -130,17 +127,20 @@ def refine(
     """Fit on from a trial, and judge what comes out.
 
     All derivatives are taken anew at each step, or only those by the parameters of the links
-    `fresh`.
+    `fresh`. Where the model diverges beside a point a fit cannot go on: the trial stays as it is.
     """
     problem = problem_of(evidence, trial.model, trial.free)
     z = problem.point(trial.model, trial.initial_hysteresis)
     if len(z) == 0:
         return trial
     jacobian: Callable[[Array], Array] = problem.jacobian
-    if fresh is not None:
-        anew = [index for index, (link, _) in enumerate(problem.free) if link in fresh]
-        jacobian = _chord(problem, problem.jacobian(z), anew)
-    squares, z = _descend(evidence, problem, z, jacobian, tolerance, evaluations)
+    try:
+        if fresh is not None:
+            anew = [index for index, (link, _) in enumerate(problem.free) if link in fresh]
+            jacobian = _chord(problem, problem.jacobian(z), anew)
+        squares, z = _descend(evidence, problem, z, jacobian, tolerance, evaluations)
+    except (ValueError, FloatingPointError, np.linalg.LinAlgError):
+        return trial if trial.errors else judged(evidence, trial)
     return judged(evidence, trial_at(problem, z, squares))
 
 

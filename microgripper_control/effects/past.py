@@ -1,6 +1,6 @@
 """What the hysteresis tells of the time before a run."""
 
-WAY = 10.0  # one over the alpha of a piezo, about
+WAY = 5.0  # one over the alpha of a piezo is some 3 to 12
 
 
 def gone_since_turn(h: float) -> float:

@@ -161,10 +161,13 @@ class Problem:
                 recording = index - len(self.free)
                 columns[self.parts[recording], column] = self._by_hysteresis(z, recording)
                 continue
-            shifted = z.copy()
-            step = DIFFERENCE if z[index] + DIFFERENCE <= high[index] else -DIFFERENCE
-            shifted[index] += step
-            columns[:, column] = (self.residuals(shifted) - base) / step
+            ahead = DIFFERENCE if z[index] + DIFFERENCE <= high[index] else -DIFFERENCE
+            for step in (ahead, -ahead):  # on one side of a point a law may diverge
+                shifted = z.copy()
+                shifted[index] += step
+                columns[:, column] = (self.residuals(shifted) - base) / step
+                if np.all(np.isfinite(columns[:, column])):
+                    break
         return columns
 
     def own_columns(self, z: Array) -> list[Array]:
@@ -183,9 +186,13 @@ class Problem:
 
     def _by_hysteresis(self, z: Array, index: int) -> Array:
         """The derivative by the initial h of one recording on its own samples, shape (n,)."""
-        h = float((z[len(self.free) + index] + DIFFERENCE) * self.hysteresis_scales[index])
-        moved = self._residual(self.model_at(z), index, h)
-        slope: Array = (moved - self.residuals(z)[self.parts[index]]) / DIFFERENCE
+        model, base = self.model_at(z), self.residuals(z)[self.parts[index]]
+        slope = np.zeros(len(base))
+        for step in (DIFFERENCE, -DIFFERENCE):  # as in `columns`
+            h = float((z[len(self.free) + index] + step) * self.hysteresis_scales[index])
+            slope = (self._residual(model, index, h) - base) / step
+            if np.all(np.isfinite(slope)):
+                break
         return slope
 
     def _error(self, model: Model, index: int, h: float) -> Array:

@@ -3,20 +3,19 @@
     w_r = w - f h - e,    f = strength R,    R = log10((reference + r) / (reference + pivot)),
     r' = (|u'| - r) / memory,
     e' = -fed f' h - (beta |u'| + gamma u' sgn h) e
-         - (R (fading |u'| + turning u' sgn (h + e)) + relaxation) (h + e)
+         - R (fading |u'| + turning u' sgn (h + e)) (h + e)
 
 h is the paper's, which is what the loop is made of; the rate r forgets the past within `memory`.
 With fed = 0 the loop is scaled at once. With fed = 1 the material remembers at what rate it was
 driven: where beta and gamma are those of h, f h + e is a second Bouc-Wen variable with n = 1 that
-is fed f times as much as h. `fading` and `turning` let beta and gamma depend on the rate as well,
-and with `relaxation` the hysteresis gives way with time: a slow loop is narrower. Far above
-`reference` each decade of the rate adds the share `strength`; at the rate `pivot` the loop is the
-paper's, which has been like that all the time before a run begins. A jump of a held voltage counts
-as its height, spread over `memory`, and finds r there already.
+is fed f times as much as h. `fading` and `turning` let beta and gamma depend on the rate as well.
+Far above `reference` each decade of the rate adds the share `strength`; at the rate `pivot` the
+loop is the paper's, which has been like that all the time before a run begins. A jump of a held
+voltage counts as its height, spread over `memory`, and finds r there already.
 """
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
@@ -32,8 +31,7 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
     """State: the voltage so far, r, h, f, e.
 
     A row: decay of r, what |change| of the voltage adds to r at once and on the way, 1 / reference,
-    ln (1 + pivot / reference), strength, fading and turning over ln 10, fed, beta, gamma, and the
-    relaxation in the step.
+    ln (1 + pivot / reference), strength, fading and turning over ln 10, fed, beta, gamma.
     """
     steps = coefficients.shape[0]
     u, rate, h, f, e = state[0], state[1], state[2], state[3], state[4]
@@ -61,7 +59,7 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
         e -= c[8] * (later - f) * middle
         whole = over + e
         turn = du if whole >= 0.0 else -du
-        e += whole * math.expm1(-level * (c[6] * way + c[7] * turn) - c[11])
+        e += whole * math.expm1(-level * (c[6] * way + c[7] * turn))
         h, f = new, later
         bus[FREE, j] -= f * h + e
     state[0], state[1], state[2], state[3], state[4] = u, rate, h, f, e
@@ -72,17 +70,16 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     memory, steps = values["memory"], np.array(timing.steps)
     resting = -math.log1p(values["pivot"] / values["reference"])
     by_decade = [values[name] / math.log(10.0) for name in ("strength", "fading", "turning")]
-    rows = np.zeros((len(steps), 12))
+    rows = np.zeros((len(steps), 11))
     rows[:, 0] = np.exp(-steps / memory)
     if timing.ramped:
         rows[:, 2] = -np.expm1(-steps / memory) / steps
     else:
         rows[:, 1] = 1.0 / memory
-    rows[:, 3:11] = (
+    rows[:, 3:] = (
         *(1.0 / values["reference"], -resting, *by_decade),
         *(values["fed"], values["beta"], values["gamma"]),
     )
-    rows[:, 11] = values["relaxation"] * steps
     h, f = levels[HYSTERESIS], by_decade[0] * resting
     state = np.array([levels[VOLTAGE], 0.0, h, f, -values["fed"] * f * h])
     return Prepared(rows, state, timing.ramped)
@@ -94,24 +91,29 @@ def starts(scales: Scales) -> Sequence[Values]:
     The pivot lies between slow and fast: the refitted plant is right at rates that it has met.
     """
     shortest = 3.0 * scales.sample_period
-    pivot = {"pivot": math.sqrt(scales.rate * scales.swing / scales.duration), "reference": 30.0}
-    fed = {"fed": 1.0, "beta": 2.4 / scales.swing, "gamma": -3.6 / scales.swing}  # as the paper's
-    memories = np.geomspace(shortest, max(scales.duration, 2.0 * shortest), 5)
-    widening = [
+    pivot = {"pivot": math.sqrt(scales.rate * scales.swing / scales.duration)}
+    fed = {
+        "fed": 1.0,
+        "reference": 30.0,
+        "beta": 2.4 / scales.swing,
+        "gamma": -3.6 / scales.swing,
+    }  # as the paper's
+    return [
         {"strength": 0.05, "memory": min(100.0, memory)} | pivot | way
         for way in (fed, {"fed": 0.0})
-        for memory in memories
+        for memory in np.geomspace(shortest, max(scales.duration, 2.0 * shortest), 5)
     ]
-    giving_way = [
-        {"strength": 0.0, "relaxation": 0.1 / memory, "memory": shortest} | pivot | fed
-        for memory in memories
-    ]
-    return [*widening, *giving_way]
+
+
+def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
+    """What makes e grow by more than a power of e^10 over the swing would run away."""
+    most = 10.0 / scales.swing
+    return {"fading": (-most, most), "turning": (-most, most)}
 
 
 def idle(values: Values) -> Collection[str]:
-    """What is not fed does not decay."""
-    return () if values["fed"] else ("beta", "gamma")
+    """What is not fed does not decay, and is scaled alone."""
+    return () if values["fed"] else ("beta", "gamma", "fading", "turning", "reference")
 
 
 def says(values: Values, scales: Scales) -> str:
@@ -133,7 +135,6 @@ LINK = Link(
         Parameter("gamma", "1/V", -0.0227, -100.0, 100.0, "decay of e by direction"),
         Parameter("fading", "1/V", 0.0, -10.0, 10.0, "what a decade of rate adds to beta", 0.0),
         Parameter("turning", "1/V", 0.0, -10.0, 10.0, "what it adds to gamma", 0.0),
-        Parameter("relaxation", "1/s", 0.0, 0.0, 1e4, "rate at which h + e gives way", 0.0),
         Parameter("fed", "1", 1.0, 0.0, 1.0, "1: h is fed more; 0: it is scaled", fitted=False),
         Parameter("reference", "V/s", 10.0, 1e-6, 1e9, "from where the loop widens"),
         Parameter("pivot", "V/s", 0.0, 0.0, 1e9, "rate of the paper's loop", fitted=False),
@@ -141,6 +142,7 @@ LINK = Link(
     prepare=prepare,
     kernel=kernel,
     starts=starts,
+    plausible=plausible,
     idle=idle,
     says=says,
 )

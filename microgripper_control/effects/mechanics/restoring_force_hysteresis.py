@@ -15,7 +15,7 @@ within 2 to 9 % of slip distances that are spread by a power law with exponents 
 (Segalman), of what these leave of a straight line, and within 4 % together with the first.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Sequence
 
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import percent, quantity
@@ -59,35 +59,27 @@ RATE_UNIT = "1/(m*N^(n-1))"
 
 def starts(scales: Scales) -> Sequence[Values]:
     """A fiftieth of the stiffness, forgotten over more or less of the stroke; or all that slips."""
-    beta, widest = 4.0 / scales.stroke, 0.5 * scales.stroke
     saturating = [
-        {
-            "alpha": 0.02 * scales.stiffness,
-            "beta": times * beta,
-            "gamma": share * times * beta,
-            "distributed": 0.0,
-            "widest": widest,
-        }
-        for times in (0.25, 1.0, 4.0)
+        {"alpha": 0.02 * scales.stiffness, "beta": beta, "gamma": share * beta}
+        for beta in (1.0 / scales.stroke, 4.0 / scales.stroke, 16.0 / scales.stroke)
         for share in (-0.6, 0.0, 0.6)
     ]
     slipping = [
         {
             "alpha": strength * scales.stiffness,
-            "beta": beta,
-            "gamma": 0.0,
             "distributed": 1.0,
-            "widest": share * widest,
+            "widest": share * scales.stroke,
         }
         for strength in (0.02, 0.15)
-        for share in (0.6, 1.4)
+        for share in (0.3, 0.7)
     ]
     return [*saturating, *slipping]
 
 
-def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
-    """What slips later than at twice the stroke does not slip."""
-    return {"widest": (1e-3 * scales.stroke, 2.0 * scales.stroke)}
+def idle(values: Values) -> Collection[str]:
+    """Of a part that has no share."""
+    without = {0.0: ("widest",), 1.0: ("beta", "gamma")}
+    return without.get(values["distributed"], ())
 
 
 def says(values: Values, scales: Scales) -> str:
@@ -118,10 +110,12 @@ LINK = Link(
         Parameter("beta", RATE_UNIT, 1e5, -1e12, 1e12, "decay of z with travel, both ways"),
         Parameter("gamma", RATE_UNIT, 2e4, -1e12, 1e12, "decay of z by direction"),
         Parameter("n", "1", 1.0, 1.0, 5.0, "sharpness of the bend", fitted=False),
-        Parameter("distributed", "1", 0.0, 0.0, 1.0, "share of alpha that slips bit by bit"),
+        Parameter(
+            "distributed", "1", 0.0, 0.0, 1.0, "share of alpha that slips bit by bit", fitted=False
+        ),
         Parameter("widest", "m", 1e-5, 1e-9, 1.0, "distance at which the last bit slips"),
     ),
     starts=starts,
-    plausible=plausible,
+    idle=idle,
     says=says,
 )

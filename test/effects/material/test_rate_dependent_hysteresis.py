@@ -15,7 +15,7 @@ from microgripper_control.plant.simulate import Hold, Initial, simulate
 
 LINK = "rate_dependent_hysteresis"
 VALUES = {"strength": 0.2, "memory": 0.03, "reference": 5.0}
-PLAIN = {"fading": 0.0, "turning": 0.0, "relaxation": 0.0}
+PLAIN = {"fading": 0.0, "turning": 0.0}
 SCALED = VALUES | PLAIN | {"beta": 0.0152, "gamma": -0.0227, "fed": 0.0, "pivot": 0.0}
 
 
@@ -137,13 +137,6 @@ def test_beta_and_gamma_may_follow_the_rate(paper: Model) -> None:
     plain = d * u - simulate(paper, u, period, hold=Hold.FIRST) * (5e7 + 8.2e5) / 5e7
     changed = np.array(expected) - plain
     np.testing.assert_allclose(found - plain, changed, rtol=0.0, atol=0.05 * np.ptp(changed))
-
-
-def test_what_gives_way_does_so_exponentially() -> None:
-    u, h = np.full(300, 7.0), np.full(300, 0.4)
-    out = added(u, h, (2e-3, 3e-3), False, strength=0.0, fed=1.0, relaxation=5.0)
-    t = np.cumsum(np.resize((2e-3, 3e-3), 300))
-    np.testing.assert_allclose(out, 0.4 * -np.expm1(-5.0 * t), rtol=1e-9)
 
 
 def test_fed_it_stays_where_the_voltage_rests() -> None:
