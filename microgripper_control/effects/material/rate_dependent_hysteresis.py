@@ -3,7 +3,7 @@
     w_r = w - f h - e,    f = strength R,    R = log10((reference + r) / (reference + pivot)),
     r' = (|u'| - r) / memory,
     e' = -fed f' h - (beta |u'| + gamma u' sgn h) e
-         - R (fading |u'| + turning u' sgn (h + e)) (h + e)
+         - fed R (fading |u'| + turning u' sgn (h + e)) (h + e)
 
 h is the paper's, which is what the loop is made of; the rate r forgets the past within `memory`.
 With fed = 0 the loop is scaled at once. With fed = 1 the material remembers at what rate it was
@@ -69,7 +69,8 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     """The levels are left alone: at rest the rate is zero."""
     memory, steps = values["memory"], np.array(timing.steps)
     resting = -math.log1p(values["pivot"] / values["reference"])
-    by_decade = [values[name] / math.log(10.0) for name in ("strength", "fading", "turning")]
+    by_decade = np.array([values[name] for name in ("strength", "fading", "turning")])
+    by_decade *= np.array([1.0, values["fed"], values["fed"]]) / math.log(10.0)
     rows = np.zeros((len(steps), 11))
     rows[:, 0] = np.exp(-steps / memory)
     if timing.ramped:
@@ -92,15 +93,11 @@ def starts(scales: Scales) -> Sequence[Values]:
     """
     shortest = 3.0 * scales.sample_period
     pivot = {"pivot": math.sqrt(scales.rate * scales.swing / scales.duration)}
-    fed = {
-        "fed": 1.0,
-        "reference": 30.0,
-        "beta": 2.4 / scales.swing,
-        "gamma": -3.6 / scales.swing,
-    }  # as the paper's
+    fed = {"fed": 1.0, "beta": 2.4 / scales.swing, "gamma": -3.6 / scales.swing}  # as the paper's
+    ways = (fed | {"reference": 10.0}, fed | {"reference": 300.0}, {"fed": 0.0})
     return [
         {"strength": 0.05, "memory": min(100.0, memory)} | pivot | way
-        for way in (fed, {"fed": 0.0})
+        for way in ways
         for memory in np.geomspace(shortest, max(scales.duration, 2.0 * shortest), 5)
     ]
 
@@ -112,8 +109,8 @@ def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
 
 
 def idle(values: Values) -> Collection[str]:
-    """What is not fed does not decay, and is scaled alone."""
-    return () if values["fed"] else ("beta", "gamma", "fading", "turning", "reference")
+    """What is not fed does not decay."""
+    return () if values["fed"] else ("beta", "gamma", "fading", "turning")
 
 
 def says(values: Values, scales: Scales) -> str:
@@ -136,7 +133,7 @@ LINK = Link(
         Parameter("fading", "1/V", 0.0, -10.0, 10.0, "what a decade of rate adds to beta", 0.0),
         Parameter("turning", "1/V", 0.0, -10.0, 10.0, "what it adds to gamma", 0.0),
         Parameter("fed", "1", 1.0, 0.0, 1.0, "1: h is fed more; 0: it is scaled", fitted=False),
-        Parameter("reference", "V/s", 10.0, 1e-6, 1e9, "from where the loop widens"),
+        Parameter("reference", "V/s", 10.0, 1e-6, 1e9, "from where the loop widens", fitted=False),
         Parameter("pivot", "V/s", 0.0, 0.0, 1e9, "rate of the paper's loop", fitted=False),
     ),
     prepare=prepare,
