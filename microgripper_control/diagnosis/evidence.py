@@ -106,8 +106,8 @@ class Evidence:
         if fitted is self.fitted and judged is self.judged:
             return self
         if not self.separate:
-            blocks = _used(fitted, False)
-            used = tuple(mask & block for mask, block in zip(used, blocks, strict=True))
+            odd = _used(fitted, False)
+            used = tuple(mask & own for mask, own in zip(used, odd, strict=True))
         return replace(self, fitted=fitted, used=used, judged=judged, compared=compared)
 
     def settled(self) -> Evidence:
@@ -159,8 +159,9 @@ def _stretches(length: int, share: float) -> Mask:
     index = np.arange(count)
     starts = (index + (1.0 - share) * (GOLDEN * index % 1.0)) * length / count
     place = np.arange(length)
-    chosen: Mask = place - starts[place * count // length] < share * length / count
-    return chosen & (place >= starts[place * count // length])
+    since = place - starts[place * count // length]
+    chosen: Mask = (since >= 0.0) & (since < share * length / count)
+    return chosen
 
 
 def _used(recordings: Sequence[Recording], separate: bool) -> tuple[Mask, ...]:

@@ -249,7 +249,7 @@ def _going_on(best: Sequence[Trial]) -> list[Trial]:
 
 
 def polish(evidence: Evidence, trial: Trial) -> Trial:
-    """Fit on with all derivatives fresh."""
+    """Fit on with fresh derivatives."""
     with np.errstate(all="ignore"):
         return refined(evidence, trial, ROUGH, 20)
 

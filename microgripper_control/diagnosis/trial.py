@@ -137,7 +137,10 @@ def refine(
     try:
         if fresh is not None:
             anew = [index for index, (link, _) in enumerate(problem.free) if link in fresh]
-            jacobian = _chord(problem, problem.jacobian(z), anew)
+            kept = [index for index in range(len(z)) if index not in anew]
+            columns = np.zeros((len(problem.residuals(z)), len(z)), order="F")
+            columns[:, kept] = problem.columns(z, kept)
+            jacobian = _chord(problem, columns, anew)
         squares, z = _descend(evidence, problem, z, jacobian, tolerance, evaluations)
     except (ValueError, FloatingPointError, np.linalg.LinAlgError):
         return trial if trial.errors else judged(evidence, trial)
@@ -172,7 +175,8 @@ def extend(evidence: Evidence, base: Base, model: Model, added: Sequence[str]) -
     columns[:, size:] = base.jacobian[:, count:] * (scales[size:] / base.scales[count:])
     jacobian = _chord(problem, columns, range(count, size))
     try:
-        z = _met_half_way(problem, z, jacobian(z), np.r_[:count, size : len(z)])
+        own = problem.projected(z, columns)
+        z = _met_half_way(problem, z, own, np.r_[:count, size : len(z)])
         squares, z = _descend(evidence, problem, z, jacobian, TOLERANCE, EVALUATIONS)
     except (ValueError, FloatingPointError, np.linalg.LinAlgError):
         return None

@@ -7,9 +7,9 @@ eliminated from every residual by projection (variable projection, Golub and Per
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import pairwise, starmap
 
 import numpy as np
@@ -161,14 +161,16 @@ class Problem:
                 recording = index - len(self.free)
                 columns[self.parts[recording], column] = self._by_hysteresis(z, recording)
                 continue
+            along = partial(self._moved, z, index)
             ahead = DIFFERENCE if z[index] + DIFFERENCE <= high[index] else -DIFFERENCE
-            for step in (ahead, -ahead):  # on one side of a point a law may diverge
-                shifted = z.copy()
-                shifted[index] += step
-                columns[:, column] = (self.residuals(shifted) - base) / step
-                if np.all(np.isfinite(columns[:, column])):
-                    break
+            columns[:, column] = _slope(along, base, ahead)
         return columns
+
+    def _moved(self, z: Array, index: int, step: float) -> Array:
+        """The residuals a step away from a point."""
+        moved = z.copy()
+        moved[index] += step
+        return self.residuals(moved)
 
     def own_columns(self, z: Array) -> list[Array]:
         """Of each recording the derivative of its residuals, shape (n,), by its own initial h.
@@ -186,14 +188,12 @@ class Problem:
 
     def _by_hysteresis(self, z: Array, index: int) -> Array:
         """The derivative by the initial h of one recording on its own samples, shape (n,)."""
-        model, base = self.model_at(z), self.residuals(z)[self.parts[index]]
-        slope = np.zeros(len(base))
-        for step in (DIFFERENCE, -DIFFERENCE):  # as in `columns`
-            h = float((z[len(self.free) + index] + step) * self.hysteresis_scales[index])
-            slope = (self._residual(model, index, h) - base) / step
-            if np.all(np.isfinite(slope)):
-                break
-        return slope
+        model, own = self.model_at(z), z[len(self.free) + index]
+
+        def residual(step: float) -> Array:
+            return self._residual(model, index, float((own + step) * self.hysteresis_scales[index]))
+
+        return _slope(residual, self.residuals(z)[self.parts[index]], DIFFERENCE)
 
     def _error(self, model: Model, index: int, h: float) -> Array:
         recording = self.recordings[index]
@@ -225,3 +225,14 @@ class Problem:
             for name in self.model.settings
             if len(registry()[name].courses(self.model.values(name), moments))
         }
+
+
+def _slope(along: Callable[[float], Array], base: Array, ahead: float) -> Array:
+    """The derivative of what is `base` at a step of zero: by a step ahead, or one back.
+
+    A law may diverge on one side of a point.
+    """
+    slope = (along(ahead) - base) / ahead
+    if np.all(np.isfinite(slope)):
+        return slope
+    return np.asarray((along(-ahead) - base) / -ahead)

@@ -54,9 +54,7 @@ def _course(samples: bytes, periodic: bool) -> Course:
 
 def _period(voltage: Array) -> tuple[Array, float, float]:
     """FINEST points a sample period, and the next ones before and after them."""
-    from scipy.signal import resample  # takes 0.4 s to import: not for a node
-
-    fine = resample(voltage[:-1], (len(voltage) - 1) * FINEST)
+    fine = _finer(voltage[:-1])
     return np.append(fine, fine[:1]), fine[-1], fine[1]
 
 
@@ -66,15 +64,21 @@ def _continued(voltage: Array) -> tuple[Array, float, float]:
     It is continued beyond its ends by point reflection, which keeps value and slope, so that
     nothing rings there.
     """
-    from scipy.signal import resample
-
     there_and_back = np.concatenate([voltage, 2.0 * voltage[-1] - voltage[-2:0:-1]])
     drift = 2.0 * (voltage[-1] - voltage[0]) * np.arange(len(there_and_back)) / len(there_and_back)
-    fine = resample(there_and_back - drift, len(there_and_back) * FINEST)
+    fine = _finer(there_and_back - drift)
     count = (len(voltage) - 1) * FINEST + 1
     slope = 2.0 * (voltage[-1] - voltage[0]) / (len(there_and_back) * FINEST)
     whole = fine[:count] + slope * np.arange(count)
     return whole, 2.0 * whole[0] - whole[1], 2.0 * whole[-1] - whole[-2]
+
+
+def _finer(period: Array) -> Array:
+    """FINEST points for each of a period."""
+    from scipy.signal import resample  # takes 0.4 s to import: not for a node
+
+    found: Array = resample(period, len(period) * FINEST)
+    return found
 
 
 def _for_chords(fine: Array, before: float, after: float) -> Array:
