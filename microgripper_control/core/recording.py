@@ -11,6 +11,10 @@ from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.signals import Array
 
 SHORTEST = 10  # samples
+STEADY = 0.01  # of the voltage's span: a smaller change over a gap leaves no doubt about its moment
+UNSETTLED = 0.05  # s: how long a rig may still answer to a voltage that is not known,
+UNSETTLED_SAMPLES = 5  # at the least
+MOST_UNSETTLED = 0.2  # of all samples: more of them do not go uncounted for that
 
 
 def check_samples(
@@ -79,6 +83,27 @@ class Recording:
     def present(self) -> NDArray[np.bool_]:
         """The samples that were read, not filled in, shape (n,)."""
         return np.ones(len(self), bool) if self.read is None else self.read
+
+    @property
+    def explained(self) -> NDArray[np.bool_]:
+        """The samples that were read and not soon after a voltage that is not known, shape (n,).
+
+        A voltage that changed while nothing was read did so at an unknown moment.
+        """
+        counted: NDArray[np.bool_] = np.array(self.present)
+        last = np.flatnonzero(counted[:-1] & ~counted[1:])
+        following = np.flatnonzero(~counted[:-1] & counted[1:]) + 1
+        change = np.abs(self.voltage[following] - self.voltage[last])
+        unknown = following[change > STEADY * np.ptp(self.voltage)]
+        settling = self.settling(max(1, len(unknown)))
+        for first in unknown:
+            counted[first : first + settling] = False
+        return counted
+
+    def settling(self, gaps: int = 1) -> int:
+        """How many samples after each of some gaps answer to what happened in it."""
+        samples = max(UNSETTLED_SAMPLES, round(UNSETTLED / self.sample_period))
+        return min(samples, int(MOST_UNSETTLED * len(self) / gaps))
 
     @property
     def time(self) -> Array:

@@ -155,7 +155,7 @@ def _between(residual: Residual) -> Mask:
     near = np.zeros(len(residual.counted) + 1)
     np.add.at(near, np.maximum(judging - margin, 0), 1.0)
     np.add.at(near, np.minimum(judging + margin + 1, len(residual.counted)), -1.0)
-    between: Mask = (np.cumsum(near)[:-1] == 0.0) & residual.recording.present
+    between: Mask = (np.cumsum(near)[:-1] == 0.0) & residual.recording.explained
     return between
 
 
@@ -174,7 +174,7 @@ def _own(residual: Residual, frame: Frame, course: bool) -> Array:
 def _without_own(residual: Residual, rest: Array, frame: Frame, course: bool) -> Array:
     """Without what the recording has for itself, fitted on what does not judge."""
     matrix = _own(residual, frame, course)
-    rows: Mask = ~residual.counted & residual.recording.present
+    rows: Mask = ~residual.counted & residual.recording.explained
     if np.count_nonzero(rows) < 10 * matrix.shape[1]:
         return rest
     # Between the samples it is fitted on, a course must not swing further than it has to.

@@ -10,7 +10,7 @@ import numpy as np
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.evidence import Evidence
-from microgripper_control.identification.nuisance import Mask, blocks, heldout_prediction
+from microgripper_control.identification.nuisance import Mask, heldout_prediction
 from microgripper_control.plant.model import Model
 
 STILL = 1e-3  # of the largest change between two samples: below it the voltage is held
@@ -79,13 +79,12 @@ def gap_power(residuals: Sequence[Residual], noise: float) -> float:
 def residuals_of(evidence: Evidence, model: Model) -> tuple[list[Residual], list[Residual]]:
     """What a model leaves where it was fitted and where it is judged."""
 
-    def left(recording: Recording, counted: Mask) -> Residual:
-        prediction, _ = heldout_prediction(model, recording, evidence.conditions)
-        return Residual(recording, recording.measured - prediction, counted & recording.present)
+    def left(recording: Recording, prediction: Array, counted: Mask) -> Residual:
+        return Residual(recording, recording.measured - prediction, counted)
 
-    fitted = [left(r, used) for r, used in zip(evidence.fitted, evidence.used, strict=True)]
-    judged = [
-        left(r, blocks(len(r), odd=False) & compared)
-        for r, compared in zip(evidence.judged, evidence.compared, strict=True)
+    fitted = [
+        left(r, heldout_prediction(model, r, evidence.conditions)[0], used & r.explained)
+        for r, used in zip(evidence.fitted, evidence.used, strict=True)
     ]
-    return fitted, judged
+    judging = zip(evidence.judged, evidence.predictions(model), strict=True)
+    return fitted, [left(r, prediction, counted) for r, (prediction, counted) in judging]

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,18 +43,15 @@ class Conditions:
         """Whether h at the first sample follows from the conditions."""
         return self.initial is not Initial.FIRST_SAMPLE
 
-    @property
-    def unanswered(self) -> int:
-        """How many first samples answer to a voltage from before the recording.
-
-        Under a zero-order hold x[0] answers to u[-1], which is known only from rest or a period.
-        """
-        return int(self.hold is Hold.ZERO and self.initial is Initial.FIRST_SAMPLE)
-
     def answered(self, recording: Recording) -> Mask:
-        """The samples of a recording that were read and that its voltage explains, shape (n,)."""
-        mask: Mask = recording.present & (np.arange(len(recording)) >= self.unanswered)
-        return mask
+        """The samples of a recording that the voltage in it explains, shape (n,).
+
+        The first ones answer to what was before them, known only from rest or a period.
+        """
+        counted: Mask = recording.explained
+        if self.initial is Initial.FIRST_SAMPLE:
+            counted[: recording.settling()] = False
+        return counted
 
 
 @dataclass(frozen=True)
@@ -156,11 +154,14 @@ def _by_hysteresis(
 
     A recording forgets sooner or later what it began with: only until then is each h simulated.
     """
-    low, high = (response(model, recording, conditions, h) for h in (-bound, bound))
+    anew = partial(response, model, recording, conditions)
+    if conditions.hold is Hold.BANDLIMITED:  # the beginning knows of what comes after it
+        return anew
+    low, high = anew(-bound), anew(bound)
     apart = np.abs(high - low)
     remembered = np.flatnonzero(apart > FORGOTTEN * np.max(apart))
-    if conditions.hold is Hold.BANDLIMITED or not len(remembered):
-        return lambda h: response(model, recording, conditions, h)
+    if not len(remembered):
+        return anew
     until = max(2, int(remembered[-1]) + 1)
     beginning = Recording(recording.name, recording.sample_period, recording.voltage[:until])
     return lambda h: np.append(response(model, beginning, conditions, h), high[until:])
@@ -211,4 +212,4 @@ def heldout_prediction(
     """
     nuisance = fit_nuisance(model, recording, conditions, blocks(len(recording), odd=True))
     prediction = predict(model, recording, conditions, nuisance)
-    return prediction, blocks(len(recording), odd=False) & recording.present
+    return prediction, blocks(len(recording), odd=False) & recording.explained

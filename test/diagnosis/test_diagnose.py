@@ -114,6 +114,20 @@ def test_two_effects_are_both_named(paper: Model, mistuned: Callable[[Model], Mo
     assert sum(found.shares.values()) == pytest.approx(1.0)
 
 
+def test_what_was_commanded_before_a_recording_began_is_blamed_on_nothing(paper: Model) -> None:
+    """Cut out of a run just after a step that the rig has not answered yet."""
+    period = 5e-3
+    time = period * np.arange(1200)
+    steps = 35.0 * np.sin(7.1 * np.floor(time / 0.3))
+    voltage = 80.0 + steps + 30.0 * np.sin(2.6 * np.pi * time)
+    noise = NOISE * np.random.default_rng(5).standard_normal(len(voltage))
+    rig = paper.with_link("transport_delay", delay=2.0 * period)
+    cut = slice(241, None)
+    assert voltage[239] - voltage[240] > 25.0
+    run = Recording("run", period, voltage[cut], (simulate(rig, voltage, period) + noise)[cut])
+    assert diagnose(paper, [run]).effects == ("transport_delay",)
+
+
 def test_a_candidate_that_fails_stops_no_other_and_is_listed(
     paper: Model, mistuned: Callable[[Model], Model], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -86,6 +86,6 @@ def rmse_without(judging: list[Rest], explained: list[Array]) -> float:
     errors = []
     for rest, added in zip(judging, explained, strict=True):
         error = rest.left - added
-        own = blocks(len(error), odd=True) & rest.recording.present
+        own = blocks(len(error), odd=True) & rest.recording.explained
         errors.append((error - error[own].mean())[rest.counted])
     return rms(errors)
