@@ -21,6 +21,7 @@ from microgripper_control.plant.model import Model, Setting
 
 MOVED = 0.01  # of a parameter: a smaller correction is not spoken of
 MOST_MOVED = 3
+VAGUE = 0.1  # of a value: a wider interval is spoken of
 EXPLAINABLE = 0.2  # of a gap: less of it, and the voltage is hardly its cause
 
 # Of each axis: its unit, and where a range of it lies.
@@ -135,9 +136,22 @@ def _with_size(
     if not settings:
         return f"the rig shows {link.title}"
     clause = described(name, {key: setting.value for key, setting in settings.items()}, scales)
+    clause += _vague(name, settings)
     if link.random and candidate and candidate.rmse is not None:
         clause += f" ({quantity(removable(gap.refit, candidate.rmse), 'm')} rms)"
     return clause
+
+
+def _vague(name: str, settings: Mapping[str, Setting]) -> str:
+    """How far the recordings leave the one value of an effect open: a held voltage hides much."""
+    if len(settings) > 1:
+        return ""
+    ((key, setting),) = settings.items()
+    low, high = setting.interval or (setting.value, setting.value)
+    if high - low <= VAGUE * abs(setting.value):
+        return ""
+    unit = registry()[name].parameter(key).unit
+    return f" ({quantity(low, unit)} to {quantity(high, unit)} would do as well)"
 
 
 def _shrunk(groups: Sequence[Sequence[str]], gap: Gap) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -126,6 +127,18 @@ def test_effects_that_cannot_be_told_apart_are_given_as_either_or() -> None:
     assert said.startswith("Either the amplifier lags: it follows a ramp of the voltage 2.0 ms")
     assert "or the sensor lags: it has a time constant of 2.1 ms; these recordings do not" in said
     assert "Adding amplifier lag or sensor lag takes" in said
+
+
+@pytest.mark.parametrize(("low", "vague"), [(9.8e-3, False), (5.2e-3, True)])
+def test_a_value_that_the_recordings_leave_open_is_told_with_its_interval(
+    low: float, vague: bool
+) -> None:
+    rig = with_effect(PAPER, "transport_delay", delay=9.9e-3)
+    interval = Setting(9.9e-3, interval=(low, 1e-2))
+    rig = replace(rig, settings={**rig.settings, "transport_delay": {"delay": interval}})
+    text = sentence(EFFECTS, ["transport_delay"], GAP, PAPER, rig, [], [], SCALES)
+    assert ("a delay of 9.9 ms (5.2 ms to 10 ms would do as well)." in text) == vague
+    assert ("a delay of 9.9 ms." in text) != vague
 
 
 def test_what_belongs_to_each_recording_is_as_large_as_what_it_took_away() -> None:
