@@ -13,7 +13,7 @@ import numpy as np
 
 from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.noise import innovation, removable
-from microgripper_control.diagnosis.part import any_dear, on_a_part, refined
+from microgripper_control.diagnosis.part import PART, any_dear, on_a_part, refined
 from microgripper_control.diagnosis.schedule import side_by_side
 from microgripper_control.diagnosis.screening import guesses
 from microgripper_control.diagnosis.trial import (
@@ -41,7 +41,7 @@ RIVAL_IF_DEAR = 0.9  # and what it must with a force that remembers the way
 NEAR = 3.0  # times what the best leaves: what leaves less is fitted on, all derivatives fresh,
 FEW = 2  # but no more than so many where each sample is dear
 LEADERS = 4  # explanations by one effect that are fitted again on settled evidence
-GLANCE = 6000  # samples on which it is seen what further forces promise
+GLANCE = 6000  # samples on which it is seen what a dear force promises
 ROUGH, POLISHED = 1e-3, 1e-5  # tolerances
 
 Progress = Callable[[str, int, int], None]  # what is being tried, how many are done, of how many
@@ -224,7 +224,11 @@ def _round(
         tasks = [(evidence, bases, name) for name in names]
     progress("", 0, len(tasks))
     found = []
-    for done, (name, trial, why) in enumerate(side_by_side(attempt, tasks, jobs), start=1):
+    before = bases[0].trial
+    # What leaves nothing to explain cannot lose to another effect: a look at each is enough.
+    shown = PART if _unexplained([before], pool) else GLANCE
+    tries = [(*task, shown) for task in tasks]
+    for done, (name, trial, why) in enumerate(side_by_side(attempt, tries, jobs), start=1):
         progress(name, done, len(tasks))
         if trial is not None:
             found.append(trial)
@@ -232,7 +236,6 @@ def _round(
             pool.failures[name] = why
     yield from found
     # Far from the base its derivatives mislead: the best go on with fresh ones.
-    before = bases[0].trial
     fits = [t for t in found if t.free != before.free and np.isfinite(t.fitted_rmse)]
     best = sorted(fits, key=lambda trial: trial.fitted_rmse)
     if not best or not _unexplained([before], pool):
@@ -266,22 +269,29 @@ def _promise(evidence: Evidence, bases: Sequence[Base], name: str) -> tuple[str,
     return name, found[0].least / power if found and power > 0.0 else np.inf
 
 
-def attempt(evidence: Evidence, bases: Sequence[Base], name: str) -> tuple[str, Trial | None, str]:
-    """Add one effect to the bases: its name, the best fit, and why there is none."""
+def attempt(
+    evidence: Evidence, bases: Sequence[Base], name: str, most: int
+) -> tuple[str, Trial | None, str]:
+    """Add one effect to the bases: its name, the best fit, and why there is none.
+
+    A dear one is fitted on `most` samples.
+    """
     try:
         with np.errstate(all="ignore"):  # a hopeless guess may overflow: it is then no start
-            return name, *_attempt(evidence, bases, name)
+            return name, *_attempt(evidence, bases, name, most)
     except (ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
         return name, None, f"could not be fitted: {error}"
 
 
-def _attempt(evidence: Evidence, bases: Sequence[Base], name: str) -> tuple[Trial | None, str]:
+def _attempt(
+    evidence: Evidence, bases: Sequence[Base], name: str, most: int
+) -> tuple[Trial | None, str]:
     link = registry()[name]
     if not link.starts(evidence.scales):
         return None, "nothing in the recordings to start from"
     if is_chosen(name):
         return _behind(evidence, bases[0].trial, name), ""
-    part, anchors = on_a_part(evidence, bases, name)
+    part, anchors = on_a_part(evidence, bases, name, most)
     starts = guesses(part, anchors, name, STARTS)
     fits = [extend(part, start.base, start.model, [name]) for start in starts]
     found = [fit for fit in fits if fit is not None and np.isfinite(fit.fitted_rmse)]

@@ -1,7 +1,7 @@
 """Less to look at where each sample is dear.
 
-Under a zero-order hold a force that remembers the way is balanced several times a sample. It knows
-the way and not the time, so stretches of the recordings show enough of it to begin with.
+A force that remembers the way is balanced several times a sample. It knows the way and not the
+time, so stretches of the recordings show enough of it to begin with.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ from collections.abc import Iterable, Sequence
 from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.trial import Base, Trial, base_of, moved, refine
 from microgripper_control.effects.registry import registry
-from microgripper_control.plant.simulate import Hold
 
 PART = 15_000  # samples that are fitted then
 MANY = 40_000  # samples
@@ -21,11 +20,10 @@ ROUNDS, WORTH_ANOTHER = 3, 0.9  # which goes on as long as it takes away a tenth
 
 
 def on_a_part(
-    evidence: Evidence, bases: Sequence[Base], name: str, most: int = PART
+    evidence: Evidence, bases: Sequence[Base], name: str, most: int
 ) -> tuple[Evidence, Sequence[Base]]:
     """What to try an effect on and the bases there: with a dear force, about `most` samples."""
-    held = evidence.conditions.hold is Hold.ZERO
-    dear = held and any_dear((name, *bases[0].trial.effects))
+    dear = any_dear((name, *bases[0].trial.effects))
     part = evidence.pieces(most) if dear else evidence
     if part is evidence:
         return evidence, bases

@@ -13,7 +13,8 @@ omega = sqrt((k + k_s + stiffness of the forces)/m), and dies away at a rate lam
 
 Measured against tight integration at 200 Hz to 20 kHz, for forces that do up to 0.2 um beside the
 paper's actuator and the maker's figures: 1e-9 m for a smooth voltage, 3e-9 m for jumps by 80 V at
-random. Forces that do more are followed to 1 % of that where they ring, else to 1e-3.
+random. Forces that do more are followed to 1 % of that where they ring, to 2e-3 where a smooth
+voltage's corners are as far apart as the mass takes to come to rest, else to 1e-3.
 """
 
 from __future__ import annotations
@@ -36,7 +37,8 @@ COARSER = 6.0  # times that, at most, where the ringing dies away within the ste
 PIECES = 4.5  # of a half swing of such a ringing, times the root of the forces' share
 WEAKEST = 0.04  # share of the forces in the stiffness: weaker ones are not treated coarser
 SHORT = 3.3  # rad, up to which F runs along a parabola
-AT_REST = 4.0  # time constants after which the course of a substep does not matter
+AT_REST = 4.0  # time constants after which the course of a substep does not matter,
+AT_REST_SMOOTHLY = 2.4  # and where w runs from corner to corner and the mass hardly rings
 DIED_AWAY = 5.0  # time constants after which the rest of the ringing does not matter
 RUNG = 1.25  # omega is rounded to powers of this where substeps are counted
 MOST_SUBSTEPS = 1000
@@ -108,8 +110,8 @@ def _division(
             count = min(MOST_SUBSTEPS, math.ceil(swings * pieces))
             return [*[span] * count, step - count * span]
     else:
-        count = 1 if ramped else 2
-        if decay * step >= AT_REST * count:
+        count, rest = (1, AT_REST_SMOOTHLY) if ramped else (2, AT_REST)
+        if decay * step >= rest * count:
             return [step / count] * count
         span = fine * min(COARSER, math.exp(decay * step / count)) / omega
     count = min(MOST_SUBSTEPS, math.ceil(step / span))
