@@ -219,7 +219,8 @@ def _round(
     tasks = [(evidence, bases, name) for name in names]
     if most < len(names):
         left: Mapping[str, float] = dict(side_by_side(_promise, tasks, jobs))
-        strong = [name for trial in pool.best(1, RUNNERS_UP) for name in trial.effects]
+        alone = [name for trial in pool.best(1, len(pool.tried)) for name in trial.effects]
+        strong = [name for name in alone if name in left][:RUNNERS_UP]
         names = sorted(left, key=lambda name: (name not in strong, left[name]))[:most]
         tasks = [(evidence, bases, name) for name in names]
     progress("", 0, len(tasks))
