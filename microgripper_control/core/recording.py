@@ -95,12 +95,12 @@ class Recording:
         following = np.flatnonzero(~counted[:-1] & counted[1:]) + 1
         change = np.abs(self.voltage[following] - self.voltage[last])
         unknown = following[change > STEADY * np.ptp(self.voltage)]
-        settling = self.settling(max(1, len(unknown)))
+        unsettled = self.unsettled(max(1, len(unknown)))
         for first in unknown:
-            counted[first : first + settling] = False
+            counted[first : first + unsettled] = False
         return counted
 
-    def settling(self, gaps: int = 1) -> int:
+    def unsettled(self, gaps: int = 1) -> int:
         """How many samples after each of some gaps answer to what happened in it."""
         samples = max(UNSETTLED_SAMPLES, round(UNSETTLED / self.sample_period))
         return min(samples, int(MOST_UNSETTLED * len(self) / gaps))

@@ -50,7 +50,7 @@ class Conditions:
         """
         counted: Mask = recording.explained
         if self.initial is Initial.FIRST_SAMPLE:
-            counted[: recording.settling()] = False
+            counted[: recording.unsettled()] = False
         return counted
 
 

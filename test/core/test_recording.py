@@ -48,4 +48,4 @@ def test_most_of_a_recording_with_many_gaps_still_counts() -> None:
 
 
 def test_a_short_recording_is_not_left_out_altogether() -> None:
-    assert recording(np.arange(10.0), []).settling() == 2
+    assert recording(np.arange(10.0), []).unsettled() == 2
