@@ -7,16 +7,25 @@ time, so stretches of the recordings show enough of it to begin with.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import NamedTuple
 
 from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.trial import Base, Trial, base_of, moved, refine
 from microgripper_control.effects.registry import registry
 
+
+class Effort(NamedTuple):
+    """How far a round of a fit goes, and of what was left before it it must leave less to go on."""
+
+    tolerance: float
+    evaluations: int
+    worth_another: float
+
+
 PART = 15_000  # samples that are fitted then
 MANY = 40_000  # samples
-TO_THE_END, MOST = 1e-5, 60  # tolerance and evaluations of a fit to fewer
-ENOUGH, FEWER = 1e-3, 8  # tolerance and evaluations of a fit to all of them,
-ROUNDS, WORTH_ANOTHER = 3, 0.9  # which goes on as long as it takes away a tenth each time
+TO_THE_END, ENOUGH = Effort(1e-5, 20, 0.99), Effort(1e-3, 8, 0.9)  # for fewer, for more
+ROUNDS = 3
 
 
 def on_a_part(
@@ -31,18 +40,19 @@ def on_a_part(
 
 
 def refined(evidence: Evidence, trial: Trial, tolerance: float, evaluations: int) -> Trial:
-    """Fit on and judge what comes out; of many dear samples with fewer derivatives.
+    """Fit on and judge what comes out; with a dear force in rounds with fewer derivatives.
 
-    Of few a dear force is fitted to the end: it bends while it is fitted, and gets there late.
+    Those by the base parameters are taken once a round. Of few samples such a force is fitted to
+    the end: it bends while it is fitted, and gets there late.
     """
     if not any_dear(trial.effects):
         return refine(evidence, trial, tolerance, evaluations)
-    if sum(len(recording) for recording in evidence.fitted) <= MANY:
-        return refine(evidence, trial, TO_THE_END, MOST)
+    few = sum(len(recording) for recording in evidence.fitted) <= MANY
+    effort = TO_THE_END if few else ENOUGH
     for _ in range(ROUNDS):
         before = trial.fitted_rmse
-        trial = refine(evidence, trial, ENOUGH, FEWER, fresh=trial.effects)
-        if trial.fitted_rmse > WORTH_ANOTHER * before:
+        trial = refine(evidence, trial, effort.tolerance, effort.evaluations, fresh=trial.effects)
+        if trial.fitted_rmse > effort.worth_another * before:
             break
     return trial
 
