@@ -3,13 +3,15 @@
 An explanation is a set of effects. Its evidence is the logarithm of how far it brings the error
 down, times the number of independent samples:
 
-    E = M ln(R_refit / R) - odds,        R^2 = rmse^2 + (mismatch e)^2
+    E = M ln(R_refit / R) + exact ln(r_refit / r) - odds,
+    R^2 = rmse^2 + (mismatch e)^2,        r^2 = rmse^2 + (0.03 e)^2
 
 M counts the residual of the refit by its autocorrelation time and is capped: many samples do not
 make a wrong law right. No law of the library is the rig's own, so the right one still leaves a
-share `mismatch` of the gap e = sqrt(refit^2 - floor^2); what it leaves below that, or below the
-floor, says nothing.
-The first term is taken on the judging samples and, with a weight, on the fitted ones: an effect may
+share `mismatch` of the gap e = sqrt(refit^2 - floor^2), and what is left below it says little. It
+says something, for now and then a law is the rig's own: that is the second term. Below the floor
+nothing counts.
+Both terms are taken on the judging samples and, with a weight, on the fitted ones: an effect may
 show in the one and not in the other. Flexible laws are held back by the former.
 `odds` are what an explanation must gain before it is believed: one amount for an effect, a further
 one for each other. `none` is the nominal model as it was given, `parameters` the refit, `unknown` a
@@ -22,6 +24,7 @@ the library; `docs/diagnosis.md` says how many.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -38,6 +41,7 @@ NOTHING: Explanation = frozenset([NONE])
 MISTUNED: Explanation = frozenset([PARAMETERS])
 OUTSIDE: Explanation = frozenset([UNKNOWN])
 BOWED = 0.15  # of a step, rms: what a real converter's grid is off an even one
+EXACT = 0.03  # of the gap: what a law leaves that happens to be the rig's own
 TINY = 1e-30  # m^2: keeps an error of zero from being infinitely good
 
 
@@ -45,17 +49,18 @@ TINY = 1e-30  # m^2: keeps an error of zero from being infinitely good
 class Weights:
     """What the weighing was calibrated to; all in natural logarithms of odds or shares."""
 
-    least: float = 7.0  # independent samples that count, however few they seem,
-    most: float = 20.0  # and however many
+    least: float = 16.0  # independent samples that count, however few they seem,
+    most: float = 24.0  # and however many
     fitted: float = 1.0  # weight of the fitted samples beside the judging ones
-    mismatch: float = 0.3
-    unknown_rest: float = 0.4
-    effect: float = 6.0
-    further: float = 2.5
-    unknown: float = 4.0
-    none: float = 3.7  # in favour of the model as it was given
-    agrees: float = 0.8  # for an effect whose signature is there
-    contradicts: float = 1.5  # against one whose signature should be there and is not
+    mismatch: float = 1.2
+    exact: float = 1.4
+    unknown_rest: float = 0.1
+    effect: float = 4.3
+    further: float = 1.0
+    unknown: float = 5.6
+    none: float = 3.4  # in favour of the model as it was given
+    agrees: float = 0.6  # for an effect whose signature is there
+    contradicts: float = 1.2  # against one whose signature should be there and is not
 
 
 CALIBRATED = Weights()
@@ -119,22 +124,25 @@ def weigh(facts: Facts, weights: Weights = CALIBRATED) -> dict[Explanation, floa
     count = min(max(facts.independent, weights.least), weights.most)
     gap = Left(*(removable(error, facts.floor) for error in facts.refit))
 
-    def evidence(left: Left) -> float:
-        slack = (weights.mismatch * np.array(gap)) ** 2 + TINY
+    def gain(left: Left, mismatch: float) -> float:
+        slack = (mismatch * np.array(gap)) ** 2 + TINY
         rest = np.square(np.maximum(left, facts.floor))
-        gain = 0.5 * np.log((np.square(facts.refit) + slack) / (rest + slack))
-        return count * float(gain @ (1.0, weights.fitted))
+        shrunk = 0.5 * np.log((np.square(facts.refit) + slack) / (rest + slack))
+        return float(shrunk @ (1.0, weights.fitted))
+
+    def evidence(left: Left) -> float:
+        return count * gain(left, weights.mismatch) + weights.exact * gain(left, EXACT)
 
     logs = {NOTHING: evidence(facts.nominal) + weights.none, MISTUNED: 0.0}
     rest = Left(*(float(np.hypot(facts.floor, weights.unknown_rest * error)) for error in gap))
     logs[OUTSIDE] = evidence(rest) - weights.unknown
     for effects, left in facts.tried.items():
         odds = weights.effect + (len(effects) - 1) * weights.further
-        for name in effects:
+        for name in sorted(effects):
             if facts.signs.get(name) is not None:
                 odds += -weights.agrees if facts.signs[name] else weights.contradicts
         logs[effects] = evidence(left) - odds
     largest = max(logs.values())
     parts = {explanation: float(np.exp(log - largest)) for explanation, log in logs.items()}
-    total = sum(parts.values())
+    total = math.fsum(parts.values())  # in whatever order they were tried
     return {explanation: part / total for explanation, part in parts.items()}
