@@ -254,8 +254,7 @@ def _going_on(best: Sequence[Trial]) -> list[Trial]:
 
 def polish(evidence: Evidence, trial: Trial) -> Trial:
     """Fit on with fresh derivatives."""
-    with np.errstate(all="ignore"):
-        return refined(evidence, trial, ROUGH, 20)
+    return refined(evidence, trial, ROUGH, 20)
 
 
 def _promise(evidence: Evidence, bases: Sequence[Base], name: str) -> tuple[str, float]:

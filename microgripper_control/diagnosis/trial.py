@@ -117,6 +117,7 @@ def base_of(evidence: Evidence, trial: Trial) -> Base:
     return Base(trial, problem.residuals(z), problem.jacobian(z), scales)
 
 
+@np.errstate(all="ignore")  # a step too far may overflow: it is then not taken
 def refine(
     evidence: Evidence,
     trial: Trial,
