@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 from microgripper_control.diagnosis.exploration import Pool
@@ -28,7 +29,8 @@ from microgripper_control.plant.model import Model, Setting
 
 Weighed = Mapping[Explanation, float]
 ANSWERS = {NOTHING: NONE, MISTUNED: PARAMETERS, OUTSIDE: UNKNOWN}
-RIVAL = 0.15  # of the chosen explanation's probability: as good for all we know
+RIVAL = 0.15  # of the chosen explanation's probability: as good for all we know,
+ALIKE = 1.1  # times what it leaves: what leaves more, these recordings tell apart from it
 MOST_RIVALS = 4
 AT_BOUND = 1e-3  # of the range
 
@@ -137,7 +139,7 @@ def stages(found: Sequence[Candidate]) -> dict[str, float]:
     }
 
 
-def ambiguous(weighed: Weighed) -> tuple[tuple[str, ...], ...]:
+def ambiguous(weighed: Weighed, pool: Pool) -> tuple[tuple[str, ...], ...]:
     """Groups of effects that could stand for each other in the chosen explanation."""
     best = chosen(weighed)
     groups: dict[str, set[str]] = {}
@@ -145,6 +147,11 @@ def ambiguous(weighed: Weighed) -> tuple[tuple[str, ...], ...]:
         if other in ANSWERS or len(other) != len(best) or probability < RIVAL * weighed[best]:
             continue
         ours, theirs = best - other, other - best
-        if len(ours) == 1:
+        if len(ours) == 1 and _left(other, pool) <= ALIKE * _left(best, pool):
             groups.setdefault(next(iter(ours)), set()).update(theirs)
     return tuple((name, *sorted(rest)) for name, rest in sorted(groups.items()))
+
+
+def _left(effects: Explanation, pool: Pool) -> float:
+    """m: what an explanation leaves on all samples."""
+    return math.hypot(*explained(effects, pool.tried[effects], pool))

@@ -72,7 +72,7 @@ def diagnose(
     free_form = explainable(fitted, judging, pool.noise_floor)
     gap = _gap(whole, pool.noise_floor, before, refit, best, free_form)
     where = tuple(locate([*judging, *fitted], pool.noise_floor))
-    groups = answer.ambiguous(weighed) if verdict == EFFECTS else ()
+    groups = answer.ambiguous(weighed, pool) if verdict == EFFECTS else ()
     rivals = [trial.model for trial in answer.rivals(weighed, pool)]
     return Diagnosis(
         verdict=verdict,

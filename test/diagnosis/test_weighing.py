@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from microgripper_control.diagnosis.answer import by_importance
+from microgripper_control.diagnosis.answer import ambiguous, by_importance
 from microgripper_control.diagnosis.exploration import Pool
 from microgripper_control.diagnosis.trial import Trial
 from microgripper_control.diagnosis.weighing import (
@@ -102,6 +102,22 @@ def test_a_grid_counts_for_what_it_rounds_though_its_prediction_is_no_closer() -
     )
     both = frozenset(["thermal_drift", "sensor_quantization"])
     assert by_importance(both, pool) == ("sensor_quantization", "thermal_drift")
+
+
+@pytest.mark.parametrize(("lag", "groups"), [(15.5, (("creep", "sensor_lag"),)), (20.0, ())])
+def test_only_what_leaves_about_as_much_is_a_group(lag: float, groups: object) -> None:
+    """Half as probable, but a third more is left: these recordings do tell the two apart."""
+    model = nominal_model()
+    pool = Pool(
+        evidence=None,  # type: ignore[arg-type]  # not looked at
+        nominal=trial(model, 60.0),
+        refit=trial(model, 60.0),
+        tried={
+            CREEP: trial(model.with_link("creep"), 15.0),
+            LAG: trial(model.with_link("sensor_lag"), lag),
+        },
+    )
+    assert ambiguous({CREEP: 0.6, LAG: 0.3, NOTHING: 0.1}, pool) == groups
 
 
 def trial(model: Model, error: float) -> Trial:
