@@ -90,7 +90,9 @@ class Recording:
 
         A voltage that changed while nothing was read did so at an unknown moment.
         """
-        counted: NDArray[np.bool_] = np.array(self.present)
+        if self.read is None:  # a fit asks at every step
+            return self.present
+        counted: NDArray[np.bool_] = self.read.copy()
         last = np.flatnonzero(counted[:-1] & ~counted[1:])
         following = np.flatnonzero(~counted[:-1] & counted[1:]) + 1
         change = np.abs(self.voltage[following] - self.voltage[last])

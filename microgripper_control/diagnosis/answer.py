@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 
 from microgripper_control.diagnosis.exploration import Pool
@@ -142,16 +141,13 @@ def stages(found: Sequence[Candidate]) -> dict[str, float]:
 def ambiguous(weighed: Weighed, pool: Pool) -> tuple[tuple[str, ...], ...]:
     """Groups of effects that could stand for each other in the chosen explanation."""
     best = chosen(weighed)
+    least = explained(best, pool.tried[best], pool)
     groups: dict[str, set[str]] = {}
     for other, probability in weighed.items():
         if other in ANSWERS or len(other) != len(best) or probability < RIVAL * weighed[best]:
             continue
         ours, theirs = best - other, other - best
-        if len(ours) == 1 and _left(other, pool) <= ALIKE * _left(best, pool):
+        left = explained(other, pool.tried[other], pool)
+        if len(ours) == 1 and left.both <= ALIKE * least.both:
             groups.setdefault(next(iter(ours)), set()).update(theirs)
     return tuple((name, *sorted(rest)) for name, rest in sorted(groups.items()))
-
-
-def _left(effects: Explanation, pool: Pool) -> float:
-    """m: what an explanation leaves on all samples."""
-    return math.hypot(*explained(effects, pool.tried[effects], pool))

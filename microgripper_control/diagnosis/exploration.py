@@ -216,20 +216,19 @@ def _round(
     jobs: int,
 ) -> Iterator[Trial]:
     """Add each of some effects to the bases: all are screened, the `most` promising are fitted."""
-    tasks = [(evidence, bases, name) for name in names]
     if most < len(names):
-        left: Mapping[str, float] = dict(side_by_side(_promise, tasks, jobs))
+        looks = [(evidence, bases, name) for name in names]
+        left: Mapping[str, float] = dict(side_by_side(_promise, looks, jobs))
         alone = [name for trial in pool.best(1, len(pool.tried)) for name in trial.effects]
         strong = [name for name in alone if name in left][:RUNNERS_UP]
         names = sorted(left, key=lambda name: (name not in strong, left[name]))[:most]
-        tasks = [(evidence, bases, name) for name in names]
-    progress("", 0, len(tasks))
     found = []
     before = bases[0].trial
     # What leaves nothing to explain cannot lose to another effect: a look at each is enough.
     shown = PART if _unexplained([before], pool) else GLANCE
-    tries = [(*task, shown) for task in tasks]
-    for done, (name, trial, why) in enumerate(side_by_side(attempt, tries, jobs), start=1):
+    tasks = [(evidence, bases, name, shown) for name in names]
+    progress("", 0, len(tasks))
+    for done, (name, trial, why) in enumerate(side_by_side(attempt, tasks, jobs), start=1):
         progress(name, done, len(tasks))
         if trial is not None:
             found.append(trial)

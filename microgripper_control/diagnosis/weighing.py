@@ -17,9 +17,9 @@ show in the one and not in the other. Flexible laws are held back by the former.
 one for each other. `none` is the nominal model as it was given, `parameters` the refit, `unknown` a
 law that is not in the library and leaves the share `unknown_rest` of the gap.
 
-The constants of `Weights` were fitted to cases of a rig that shares no code with the library
-(`validation/`, form a, seeds below 10000), and to the same cases with the right effect left out of
-the library; `docs/diagnosis.md` says how many.
+The constants of `Weights` were fitted to cases of two rigs that share no code with the library (one
+is that of `validation/`, form a, seeds below 10000), and to the same cases with the right effect
+left out of the library; `docs/diagnosis.md` says how many.
 """
 
 from __future__ import annotations
@@ -71,6 +71,11 @@ class Left(NamedTuple):
 
     judged: float
     fitted: float
+
+    @property
+    def both(self) -> float:
+        """As `Trial.both`."""
+        return math.hypot(*self) / math.sqrt(2.0)
 
 
 @dataclass(frozen=True)
