@@ -4,7 +4,7 @@
 # make test   style, types and all tests
 # make chaos  a million hostile messages, hundreds of dead nodes, a bad network, overload; ten minutes
 # make fuzz   readers of bags, CSV and models, given thousands of broken ones; four minutes
-# make soak   half an hour in lockstep: memory and latency stay where they are
+# make soak   an hour of the plant in lockstep: memory and latency stay where they are
 # make clean  removes the environment and everything generated
 #
 # The first run installs into a virtual environment of its own, .venv. Where ROS 2 is sourced, that

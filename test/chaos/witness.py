@@ -45,9 +45,10 @@ class Witness:
         *,
         period: float = PERIOD,
         reliable: bool = True,
+        watched: tuple[str, ...] = WATCHED,
     ) -> None:
         self._pipe, theirs = Pipe()
-        watching = _Watching(theirs, period, reliable=reliable)
+        watching = _Watching(theirs, period, watched, reliable=reliable)
         self.process = nursery.fork("witness", watching.run, place=place)
 
     def _ask(self, question: str, *details: object) -> Any:  # noqa: ANN401 (of any question)
@@ -99,13 +100,16 @@ class _Sample:
 class _Watching:
     """The process of the witness."""
 
-    def __init__(self, pipe: Connection, period: float, *, reliable: bool) -> None:
+    def __init__(
+        self, pipe: Connection, period: float, watched: tuple[str, ...], *, reliable: bool
+    ) -> None:
         self._pipe = pipe
+        self._watched = watched
         self._reliable = reliable
         self._invariants = Invariants(period)
         self._health: dict[str, dict[str, str]] = {}
         self._courses: dict[str, deque[tuple[float, float]]] = {
-            topic: deque(maxlen=REMEMBERED) for topic in WATCHED
+            topic: deque(maxlen=REMEMBERED) for topic in watched
         }
         self._errors: deque[_Sample] = deque(maxlen=REMEMBERED)
         self._setpoint = 0.0
@@ -119,7 +123,7 @@ class _Watching:
 
         batches = {
             topic: node.create_subscription(topics.TYPES[topic], topic, _never_called, quality())
-            for topic in WATCHED
+            for topic in self._watched
         }
         batches[DIAGNOSTICS] = node.create_subscription(
             DiagnosticArray, DIAGNOSTICS, _never_called, 100
