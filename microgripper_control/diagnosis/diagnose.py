@@ -21,6 +21,7 @@ from microgripper_control.diagnosis.sentence import sentence
 from microgripper_control.diagnosis.shrinkage import closed_fraction, closed_interval
 from microgripper_control.diagnosis.signatures import signatures
 from microgripper_control.diagnosis.trial import FINE, Trial, judged
+from microgripper_control.diagnosis.unseen import unseen_gap, unseen_warning
 from microgripper_control.diagnosis.weighing import Facts, weigh
 from microgripper_control.diagnosis.where import locate
 from microgripper_control.effects.base import no_starts
@@ -49,9 +50,12 @@ def diagnose(
     nothing.
     """
     whole = Evidence.gather(recordings, heldout, conditions or Conditions(), nominal)
-    lean = whole.lean()
-    before = nominal_trial(lean, nominal)
-    refit = refit_trial(lean, before)
+    warnings = [line for r in (*recordings, *heldout) for line in reading_warnings(r)]
+    lean, before, refit = _without_effects(whole)
+    if unseen_gap(whole, refit):
+        warnings.append(unseen_warning(refit))
+        whole = whole.joined()
+        lean, before, refit = _without_effects(whole)
     left_out = {*nominal.effects, *without}
     names = [name for name in candidate_names() if name not in left_out]
     pool = explore(lean, before, refit, names, progress, jobs)
@@ -94,11 +98,15 @@ def diagnose(
         conditions=evidence.conditions,
         judged=_judged(whole, before, refit, best),
         shares=_shares(pool, effects, best),
-        warnings=(
-            *(line for r in (*recordings, *heldout) for line in reading_warnings(r)),
-            *hold_warnings(evidence, refit),
-        ),
+        warnings=(*warnings, *hold_warnings(evidence, refit)),
     )
+
+
+def _without_effects(whole: Evidence) -> tuple[Evidence, Trial, Trial]:
+    """As much evidence as is compared; on it the nominal model as it is, and refitted."""
+    lean = whole.lean()
+    before = nominal_trial(lean, whole.nominal)
+    return lean, before, refit_trial(lean, before)
 
 
 def on_all(whole: Evidence, lean: Evidence, trial: Trial) -> Trial:
@@ -119,7 +127,7 @@ def _gap(
         closed_low=low,
         closed_high=high,
         free_form=free_form,
-        separate=evidence.separate,
+        separate=evidence.apart,
     )
 
 

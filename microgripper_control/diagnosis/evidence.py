@@ -79,6 +79,19 @@ class Evidence:
         judged = tuple(heldout) or fitted
         return cls(nominal, fitted, used, judged, _all(judged), conditions, bool(heldout), scales)
 
+    def joined(self) -> Evidence:
+        """The same with the odd blocks of the judged recordings fitted; the even ones judge."""
+        return replace(
+            self,
+            fitted=(*self.fitted, *self.judged),
+            used=(*self.used, *_used(self.judged, False)),
+        )
+
+    @property
+    def apart(self) -> bool:
+        """Whether no recording that judges is fitted as well."""
+        return not any(judge is one for judge in self.judged for one in self.fitted)
+
     def lean(self, most: int = MOST_COMPARED) -> Evidence:
         """The same with about `most` samples that are fitted and as many that judge.
 

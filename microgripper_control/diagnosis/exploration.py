@@ -11,7 +11,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from microgripper_control.core.quantities import quantity
 from microgripper_control.diagnosis.evidence import Evidence
+from microgripper_control.diagnosis.grid import noise_under, refuted
 from microgripper_control.diagnosis.noise import innovation, removable
 from microgripper_control.diagnosis.part import PART, any_dear, on_a_part, refined
 from microgripper_control.diagnosis.schedule import side_by_side
@@ -39,9 +41,11 @@ FAIR_PART = 0.12  # of the gap; two independent effects of one size close 0.3 of
 RIVAL = 0.7  # of what the best closes: what the second must close to be a leader as well,
 RIVAL_IF_DEAR = 0.9  # and what it must with a force that remembers the way
 NEAR = 3.0  # times what the best leaves: what leaves less is fitted on, all derivatives fresh,
-FEW = 2  # but no more than so many where each sample is dear
+NEAR_IF_JOINED = 1.5  # but not so far off if it joins another and each sample is dear,
+FEW = 2  # and no more than so many of these
 LEADERS = 4  # explanations by one effect that are fitted again on settled evidence
 GLANCE = 6000  # samples on which it is seen what a dear force promises
+SETTLING_IN = 5  # steps with the same derivatives, from a part of the samples to all of them
 ROUGH, POLISHED = 1e-3, 1e-5  # tolerances
 
 Progress = Callable[[str, int, int], None]  # what is being tried, how many are done, of how many
@@ -68,10 +72,17 @@ class Pool:
 
     @property
     def noise_floor(self) -> float:
-        """m: the innovation of whichever explanation leaves the least."""
+        """m: the innovation of whichever explanation leaves the least, rounding taken away."""
         trials = [self.nominal, self.refit, *self.tried.values()]
         best = sorted(trials, key=lambda trial: trial.rmse)[:3]
-        return min(min(innovation(trial.errors), trial.rmse) for trial in best)
+        least = min(min(innovation(trial.errors), trial.rmse) for trial in best)
+        return noise_under(least, self.step)
+
+    @property
+    def step(self) -> float:
+        """m: of the grid that the readings lie on, if that was tried; 0 if not."""
+        chosen = [(t, name) for t in self.tried.values() for name in t.effects if is_chosen(name)]
+        return max((t.model.value(name, "resolution") for t, name in chosen), default=0.0)
 
     def add(self, trial: Trial) -> None:
         """Keep a trial unless a better one of the same effects is there."""
@@ -119,7 +130,7 @@ def explore(
                 continue
             leader = refined(evidence, leader, POLISHED, 60)
             pool.add(leader)
-            rest = [name for name in fitted if name not in leader.effects]
+            rest = _joining(leader, fitted)
             bases = [base_of(evidence, leader)]
             most = SECONDS_IF_DEAR if any_dear(leader.effects) else SECONDS
             for trial in _round(evidence, bases, rest, most, pool, progress, jobs):
@@ -151,6 +162,12 @@ def _settled(pool: Pool) -> Pool:
     return min(pool, settled, key=lambda one: min(t.rmse for t in (one.refit, *one.tried.values())))
 
 
+def _joining(leader: Trial, names: Sequence[str]) -> list[str]:
+    """The effects that may join a leader; such a force may not be the third."""
+    second = len(leader.effects) < 2
+    return [n for n in names if n not in leader.effects and (second or not any_dear([n]))]
+
+
 def _unexplained(best: Sequence[Trial], pool: Pool) -> bool:
     """Whether the best explanation leaves more than a right law would."""
     floor = pool.noise_floor
@@ -171,7 +188,7 @@ def _closed(trial: Trial, pool: Pool) -> float:
 
 
 def _check_backwards(evidence: Evidence, pool: Pool) -> None:
-    """Try the best explanation without each of its effects."""
+    """Try the best explanation without each of its effects, briefly what was tried before."""
     best = min([pool.refit, *pool.tried.values()], key=lambda trial: trial.both)
     added = [name for name in best.effects if name not in pool.own]
     if len(added) < 2:
@@ -180,7 +197,8 @@ def _check_backwards(evidence: Evidence, pool: Pool) -> None:
         model = best.model.without([name])
         free = tuple(key for key in best.free if key[0] != name)
         start = Trial(model, free, best.initial_hysteresis, best.fitted_rmse)
-        pool.add(refined(evidence, start, POLISHED, 15))
+        known = frozenset(best.effects) - pool.own - {name} in pool.tried
+        pool.add(refined(evidence, start, POLISHED, 4 if known else 15))
 
 
 def _add_chosen(evidence: Evidence, pool: Pool, names: Sequence[str]) -> None:
@@ -224,8 +242,9 @@ def _round(
         names = sorted(left, key=lambda name: (name not in strong, left[name]))[:most]
     found = []
     before = bases[0].trial
+    alone = before is pool.refit
     # What leaves nothing to explain cannot lose to another effect: a look at each is enough.
-    shown = PART if _unexplained([before], pool) else GLANCE
+    shown = PART if alone and _unexplained([before], pool) else GLANCE
     tasks = [(evidence, bases, name, shown) for name in names]
     progress("", 0, len(tasks))
     for done, (name, trial, why) in enumerate(side_by_side(attempt, tasks, jobs), start=1):
@@ -241,14 +260,17 @@ def _round(
     if not best or not _unexplained([before], pool):
         return
     progress("the best of them", 0, 1)
-    yield from side_by_side(polish, [(evidence, trial) for trial in _going_on(best)], jobs)
+    fits += [trial for trial in pool.tried.values() if len(trial.free) > len(before.free)]
+    least = min(trial.fitted_rmse for trial in fits)
+    near = NEAR if alone else NEAR_IF_JOINED
+    yield from side_by_side(polish, [(evidence, t) for t in _going_on(best, least, near)], jobs)
 
 
-def _going_on(best: Sequence[Trial]) -> list[Trial]:
-    """Those near the first, the best; of those that are dear to simulate a few."""
-    near = [trial for trial in best if trial.fitted_rmse < NEAR * best[0].fitted_rmse]
-    cheap = [trial for trial in near if not any_dear(trial.effects)]
-    return [*cheap, *[trial for trial in near if any_dear(trial.effects)][:FEW]]
+def _going_on(best: Sequence[Trial], least: float, near: float) -> list[Trial]:
+    """Those that leave no more than a few times the least; of dear ones fewer."""
+    cheap = [t for t in best if not any_dear(t.effects) and t.fitted_rmse < NEAR * least]
+    dear = [t for t in best if any_dear(t.effects) and t.fitted_rmse < near * least]
+    return [*cheap, *dear[:FEW]]
 
 
 def polish(evidence: Evidence, trial: Trial) -> Trial:
@@ -289,6 +311,9 @@ def _attempt(
     if not link.starts(evidence.scales):
         return None, "nothing in the recordings to start from"
     if is_chosen(name):
+        step, error = evidence.scales.resolution, bases[0].trial.fitted_rmse
+        if refuted(step, error):
+            return None, f"readings on steps of {quantity(step, 'm')} could not follow so closely"
         return _behind(evidence, bases[0].trial, name), ""
     part, anchors = on_a_part(evidence, bases, name, most)
     starts = guesses(part, anchors, name, STARTS)
@@ -302,5 +327,5 @@ def _attempt(
     for fit in found:  # what fits a part may diverge elsewhere
         whole = unfitted(evidence, moved(evidence, fit))
         if np.isfinite(whole.fitted_rmse):
-            return whole, ""
+            return refine(evidence, whole, ROUGH, SETTLING_IN, fresh=()), ""
     return None, "diverges where it was not fitted"

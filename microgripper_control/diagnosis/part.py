@@ -24,7 +24,7 @@ class Effort(NamedTuple):
 
 PART = 15_000  # samples that are fitted then
 MANY = 40_000  # samples
-TO_THE_END, ENOUGH = Effort(1e-5, 20, 0.99), Effort(1e-3, 8, 0.9)  # for fewer, for more
+TO_THE_END, ENOUGH = Effort(1e-5, 20, 0.99), Effort(1e-3, 8, 0.9)
 ROUNDS = 3
 
 
@@ -40,15 +40,17 @@ def on_a_part(
 
 
 def refined(evidence: Evidence, trial: Trial, tolerance: float, evaluations: int) -> Trial:
-    """Fit on and judge what comes out; with a dear force in rounds with fewer derivatives.
+    """Fit on and judge what comes out; with a force with fewer derivatives, a dear one in rounds.
 
-    Those by the base parameters are taken once a round. Of few samples such a force is fitted to
-    the end: it bends while it is fitted, and gets there late.
+    Those by the base parameters are taken once, or once a round. A dear force by itself, and few
+    samples, are fitted to the end: it bends while it is fitted, and gets there late.
     """
-    if not any_dear(trial.effects):
+    if not any(registry()[name].force for name in trial.effects):
         return refine(evidence, trial, tolerance, evaluations)
+    if not any_dear(trial.effects):
+        return refine(evidence, trial, tolerance, evaluations, fresh=trial.effects)
     few = sum(len(recording) for recording in evidence.fitted) <= MANY
-    effort = TO_THE_END if few else ENOUGH
+    effort = TO_THE_END if few and len(trial.effects) == 1 else ENOUGH
     for _ in range(ROUNDS):
         before = trial.fitted_rmse
         trial = refine(evidence, trial, effort.tolerance, effort.evaluations, fresh=trial.effects)

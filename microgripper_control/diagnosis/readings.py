@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from microgripper_control.core.recording import Recording
-from microgripper_control.diagnosis.scales import resolution
+from microgripper_control.diagnosis.grid import resolution
 
 LONGEST = 4  # equal readings in a row that noise or a slow voltage may give
 MANY = 1e-3  # of the samples: fewer are not worth a word

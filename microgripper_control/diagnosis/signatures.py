@@ -12,7 +12,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from microgripper_control.diagnosis.bands import COARSE, find_peaks, slow_share
+from microgripper_control.diagnosis.evidence import rms
 from microgripper_control.diagnosis.findings import Signature
+from microgripper_control.diagnosis.grid import common_step, refuted, rounding
 from microgripper_control.diagnosis.motion_signatures import (
     NM,
     REAL,
@@ -24,7 +26,6 @@ from microgripper_control.diagnosis.motion_signatures import (
     thresholds,
 )
 from microgripper_control.diagnosis.residuals import Residual, gap_power
-from microgripper_control.diagnosis.scales import resolution
 from microgripper_control.diagnosis.spectra import Spectrum, same_clock, spectrum_of
 
 MAINS = (50.0, 60.0)  # Hz
@@ -91,10 +92,12 @@ def _moving(spectrum: Spectrum, frequency: float, noise: float) -> bool:
 def sensor_quantization(residuals: Sequence[Residual], noise: float) -> list[Signature]:
     """Readings that repeat, on a grid."""
     readings = [residual.recording.measured for residual in residuals]
-    grid = max(resolution(one) for one in readings)
+    grid = common_step(readings)
+    if refuted(grid, rms([residual.error[residual.counted] for residual in residuals])):
+        grid = 0.0
     distinct = min(len(np.unique(one)) / len(one) for one in readings)
     step = grid if grid > 0.0 else max(float(np.median(np.diff(np.unique(r)))) for r in readings)
-    share = step / np.sqrt(12.0)
+    share = rounding(step)
     text = f"steps of {step * NM:.3g} nm, {share * NM:.2g} nm rms, with {noise * NM:.2g} nm noise"
     if distinct > 0.5 and grid == 0.0:
         text = (

@@ -33,6 +33,7 @@ import numpy as np
 
 from microgripper_control.diagnosis.exploration import Pool, is_chosen
 from microgripper_control.diagnosis.findings import NONE, PARAMETERS, UNKNOWN, Signature
+from microgripper_control.diagnosis.grid import unrounded
 from microgripper_control.diagnosis.noise import independent_samples, removable
 from microgripper_control.diagnosis.trial import Trial
 
@@ -40,7 +41,6 @@ Explanation = frozenset[str]
 NOTHING: Explanation = frozenset([NONE])
 MISTUNED: Explanation = frozenset([PARAMETERS])
 OUTSIDE: Explanation = frozenset([UNKNOWN])
-BOWED = 0.15  # of a step, rms: what a real converter's grid is off an even one
 EXACT = 0.03  # of the gap: what a law leaves that happens to be the rig's own
 TINY = 1e-30  # m^2: keeps an error of zero from being infinitely good
 
@@ -115,13 +115,11 @@ def explained(effects: Explanation, trial: Trial, pool: Pool) -> Left:
     the rounded prediction is often worse. So it counts as taking away from what its other effects
     leave the variance of rounding, q^2 / 12, and that of a grid that is bowed as far as they are.
     """
-    rounding = [name for name in effects if is_chosen(name)]
+    rounding = frozenset(name for name in effects if is_chosen(name))
     if not rounding:
         return _left(trial)
-    rest = _left(pool.tried.get(effects - frozenset(rounding), pool.refit))
-    step = max(trial.model.value(name, "resolution") for name in rounding)
-    squares = np.maximum(np.square(rest) - (1.0 / 12.0 + BOWED**2) * step**2, 0.0)
-    return Left(*np.sqrt(squares).tolist())
+    rest = _left(pool.tried.get(effects - rounding, pool.refit))
+    return Left(*(unrounded(error, pool.step) for error in rest))
 
 
 def weigh(facts: Facts, weights: Weights = CALIBRATED) -> dict[Explanation, float]:
@@ -129,10 +127,12 @@ def weigh(facts: Facts, weights: Weights = CALIBRATED) -> dict[Explanation, floa
     count = min(max(facts.independent, weights.least), weights.most)
     gap = Left(*(removable(error, facts.floor) for error in facts.refit))
 
+    before = np.square(np.maximum(facts.refit, facts.floor))
+
     def gain(left: Left, mismatch: float) -> float:
         slack = (mismatch * np.array(gap)) ** 2 + TINY
         rest = np.square(np.maximum(left, facts.floor))
-        shrunk = 0.5 * np.log((np.square(facts.refit) + slack) / (rest + slack))
+        shrunk = 0.5 * np.log((before + slack) / (rest + slack))
         return float(shrunk @ (1.0, weights.fitted))
 
     def evidence(left: Left) -> float:

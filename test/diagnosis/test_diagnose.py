@@ -114,6 +114,26 @@ def test_two_effects_are_both_named(paper: Model, mistuned: Callable[[Model], Mo
     assert sum(found.shares.values()) == pytest.approx(1.0)
 
 
+def test_what_only_the_held_out_recordings_reach_is_named(
+    paper: Model, mistuned: Callable[[Model], Model]
+) -> None:
+    """Loops too slow for the amplifier's limit are fitted, fast ones judge."""
+    rig = paper.with_link("slew_limit", rise=1.0 / 1000.0, fall=1.0 / 1000.0)
+    time = PERIOD * np.arange(12_000)
+
+    def loops(frequency: float, seed: int) -> Recording:
+        sweep = 1.0 + 0.2 * np.sin(0.9 * time)
+        voltage = 70.0 - 60.0 * np.cos(2.0 * np.pi * frequency * time) * sweep / 1.2
+        noise = NOISE * np.random.default_rng(seed).standard_normal(len(time))
+        return Recording(f"{seed}", PERIOD, voltage, simulate(rig, voltage, PERIOD) + noise)
+
+    found = diagnose(mistuned(paper), [loops(0.7, 1), loops(1.1, 2)], [loops(4.1, 3)])
+    assert (found.verdict, found.effects) == (EFFECTS, ("slew_limit",))
+    assert any("only the held-out recordings show the gap" in line for line in found.warnings)
+    assert not found.gap.separate
+    assert found.gap.augmented < 1.2 * NOISE
+
+
 def test_what_was_commanded_before_a_recording_began_is_blamed_on_nothing(paper: Model) -> None:
     """Cut out of a run just after a step that the rig has not answered yet."""
     period = 5e-3

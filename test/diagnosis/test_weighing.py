@@ -104,6 +104,13 @@ def test_a_grid_counts_for_what_it_rounds_though_its_prediction_is_no_closer() -
     assert by_importance(both, pool) == ("sensor_quantization", "thermal_drift")
 
 
+def test_a_gap_that_only_the_judging_samples_show_is_a_gap() -> None:
+    """The fitted ones are quieter than the floor of the judging ones: that is no merit."""
+    shown = Facts(Left(560.0 * NM, 90.0 * NM), Left(350.0 * NM, 9.0 * NM), 19.0 * NM, 10.0, {})
+    weighed = weigh(shown)
+    assert max(weighed, key=lambda explanation: weighed[explanation]) == OUTSIDE
+
+
 @pytest.mark.parametrize(("lag", "groups"), [(15.5, (("creep", "sensor_lag"),)), (20.0, ())])
 def test_only_what_leaves_about_as_much_is_a_group(lag: float, groups: object) -> None:
     """Half as probable, but a third more is left: these recordings do tell the two apart."""
