@@ -242,9 +242,9 @@ def _round(
         names = sorted(left, key=lambda name: (name not in strong, left[name]))[:most]
     found = []
     before = bases[0].trial
-    alone = before is pool.refit
+    first = before is pool.refit
     # What leaves nothing to explain cannot lose to another effect: a look at each is enough.
-    shown = PART if alone and _unexplained([before], pool) else GLANCE
+    shown = PART if first and _unexplained([before], pool) else GLANCE
     tasks = [(evidence, bases, name, shown) for name in names]
     progress("", 0, len(tasks))
     for done, (name, trial, why) in enumerate(side_by_side(attempt, tasks, jobs), start=1):
@@ -262,7 +262,7 @@ def _round(
     progress("the best of them", 0, 1)
     fits += [trial for trial in pool.tried.values() if len(trial.free) > len(before.free)]
     least = min(trial.fitted_rmse for trial in fits)
-    near = NEAR if alone else NEAR_IF_JOINED
+    near = NEAR if first else NEAR_IF_JOINED
     yield from side_by_side(polish, [(evidence, t) for t in _going_on(best, least, near)], jobs)
 
 
