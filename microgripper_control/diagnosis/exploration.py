@@ -202,7 +202,15 @@ def _check_backwards(evidence: Evidence, pool: Pool) -> None:
 
 
 def _add_chosen(evidence: Evidence, pool: Pool, names: Sequence[str]) -> None:
-    """Put effects that are read off, not fitted (a sensor's grid), behind the best explanations."""
+    """Put effects that are read off, not fitted (a sensor's grid), behind the best explanations.
+
+    A grid that an explanation refutes is not believed any more.
+    """
+    fitted = [trial for trial in pool.tried.values() if not any(map(is_chosen, trial.effects))]
+    if refuted(pool.step, min((trial.fitted_rmse for trial in fitted), default=np.inf)):
+        for effects in [e for e in pool.tried if any(map(is_chosen, e))]:
+            pool.failures["+".join(sorted(effects))] = "the readings follow a model too closely"
+            del pool.tried[effects]
     leaders = [trial for size in range(1, MOST_EFFECTS) for trial in pool.best(size, BEAM)]
     for name in names:
         if not is_chosen(name) or name not in {n for effects in pool.tried for n in effects}:

@@ -15,7 +15,7 @@ BINS = 1 << 16  # of the range of all readings
 SHARP = 0.5  # how far a comb's density follows its step, noise of a quarter of a step and less,
 ALONE = 0.3  # and how far, of that, it may follow any other
 BOWED = 0.15  # of a step, rms: what a real converter's grid is off an even one
-TOO_CLOSE = 0.5  # of what rounding leaves: readings that follow a model closer are on no such grid
+TOO_CLOSE = 0.8  # of what rounding leaves: readings that follow a model closer are on no such grid
 
 
 def rounding(step: float) -> float:

@@ -156,6 +156,12 @@ def _vague(name: str, settings: Mapping[str, Setting]) -> str:
 
 def _shrunk(groups: Sequence[Sequence[str]], gap: Gap) -> str:
     added = " and ".join(" or ".join(map(_plain, group)) for group in groups)
+    if gap.augmented >= gap.refit:
+        return (
+            f"No model foretells the readings better for it: the held-out error is "
+            f"{quantity(gap.refit, 'm')} without {added} and {quantity(gap.augmented, 'm')} with "
+            f"it (noise floor {quantity(gap.noise_floor, 'm')})."
+        )
     low, high = (number(100.0 * end) for end in (gap.closed_low, gap.closed_high))
     return (
         f"Adding {added} takes the held-out error from {quantity(gap.refit, 'm')} to "

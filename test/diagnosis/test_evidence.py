@@ -43,6 +43,20 @@ def test_few_samples_all_over_whole_recordings_are_compared(separate: bool) -> N
         assert np.all(np.isin(less, more))
 
 
+def test_of_joined_recordings_no_sample_is_both_fitted_and_judged() -> None:
+    whole = gathered(True)
+    joined = whole.joined()
+    assert whole.apart
+    assert not joined.apart
+    assert joined.fitted == (*whole.fitted, *whole.judged)
+    assert joined.used[:2] == whole.used
+    (_, counted), *_ = joined.predictions(whole.nominal)
+    fitted, judging = joined.used[2], counted
+    assert not np.any(fitted & judging)
+    assert np.count_nonzero(fitted) > 0.4 * len(fitted)
+    assert np.count_nonzero(judging) > 0.4 * len(fitted)
+
+
 def test_what_is_short_enough_stays_as_it_is() -> None:
     whole = gathered(True)
     assert whole.lean() is whole

@@ -111,6 +111,17 @@ def test_the_issues_own_example() -> None:
     )
 
 
+def test_a_grid_that_foretells_nothing_is_not_said_to_close_the_gap() -> None:
+    model = with_effect(PAPER, "sensor_quantization", resolution=5.2e-8)
+    gap = replace(GAP, refit=23e-9, augmented=31e-9, closed=-0.55)
+    said = sentence(EFFECTS, ["sensor_quantization"], gap, PAPER, model, [], [], SCALES)
+    assert said == (
+        "The sensor is coarse: it shows steps of 52 nm. No model foretells the readings better "
+        "for it: the held-out error is 23 nm without sensor quantization and 31 nm with it "
+        "(noise floor 15 nm)."
+    )
+
+
 def test_two_effects_are_both_told() -> None:
     model = with_effect(with_effect(PAPER, "creep", strength=0.012), "backlash", play=2.1e-7)
     said = sentence(EFFECTS, ["creep", "backlash"], GAP, PAPER, model, [], [], SCALES)

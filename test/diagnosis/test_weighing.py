@@ -111,6 +111,19 @@ def test_a_gap_that_only_the_judging_samples_show_is_a_gap() -> None:
     assert max(weighed, key=lambda explanation: weighed[explanation]) == OUTSIDE
 
 
+def test_rounding_is_no_noise_once_its_grid_is_known() -> None:
+    """15 nm under steps of 52 nm: 21 nm of innovation, and a bow that cannot be told."""
+    model, step = nominal_model(), 52.0 * NM
+    seen = float(np.hypot(15.0 * NM, step / np.sqrt(12.0)))
+    white = seen * np.random.default_rng(3).standard_normal(20_000)
+    left = Trial(model, (), (), seen, (white,))
+    pool = Pool(None, left, left)  # type: ignore[arg-type]  # evidence is not looked at
+    assert pool.noise_floor == pytest.approx(seen, rel=0.02)
+    grid = replace(left, model=model.with_link("sensor_quantization", resolution=step))
+    pool.tried[frozenset(["sensor_quantization"])] = grid
+    assert pool.noise_floor == pytest.approx(np.sqrt(15.0**2 - (0.15 * 52.0) ** 2) * NM, rel=0.05)
+
+
 @pytest.mark.parametrize(("lag", "groups"), [(15.5, (("creep", "sensor_lag"),)), (20.0, ())])
 def test_only_what_leaves_about_as_much_is_a_group(lag: float, groups: object) -> None:
     """Half as probable, but a third more is left: these recordings do tell the two apart."""
