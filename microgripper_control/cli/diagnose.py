@@ -50,8 +50,8 @@ def diagnose(
         typer.Option(
             HELDOUT,
             metavar="RECORDING...",
-            help="Recordings that judge and are never fitted; without any, blocks are held out of"
-            " what is given.",
+            help="Recordings that judge and are not fitted (if they alone show the gap, half of"
+            " their blocks are, with a warning); without any, blocks are held out of what is given.",
         ),
     ] = None,
     maps: MapOption = None,

@@ -94,6 +94,15 @@ class Pool:
         if effects and (known is None or trial.fitted_rmse < known.fitted_rmse):
             self.tried[effects] = trial
 
+    def drop_refuted_grid(self) -> None:
+        """Forget a grid that some explanation follows the readings too closely for."""
+        chosen = [effects for effects in self.tried if any(map(is_chosen, effects))]
+        others = [t.fitted_rmse for effects, t in self.tried.items() if effects not in chosen]
+        if refuted(self.step, min(others, default=np.inf)):
+            for effects in chosen:
+                self.failures["+".join(sorted(effects))] = "the readings follow a model too closely"
+                del self.tried[effects]
+
     def best(self, size: int, count: int) -> list[Trial]:
         """The explanations with `size` effects that leave the least, best first."""
         trials = [trial for effects, trial in self.tried.items() if len(effects) == size]
@@ -202,15 +211,8 @@ def _check_backwards(evidence: Evidence, pool: Pool) -> None:
 
 
 def _add_chosen(evidence: Evidence, pool: Pool, names: Sequence[str]) -> None:
-    """Put effects that are read off, not fitted (a sensor's grid), behind the best explanations.
-
-    A grid that an explanation refutes is not believed any more.
-    """
-    fitted = [trial for trial in pool.tried.values() if not any(map(is_chosen, trial.effects))]
-    if refuted(pool.step, min((trial.fitted_rmse for trial in fitted), default=np.inf)):
-        for effects in [e for e in pool.tried if any(map(is_chosen, e))]:
-            pool.failures["+".join(sorted(effects))] = "the readings follow a model too closely"
-            del pool.tried[effects]
+    """Put effects that are read off, not fitted (a sensor's grid), behind the best explanations."""
+    pool.drop_refuted_grid()
     leaders = [trial for size in range(1, MOST_EFFECTS) for trial in pool.best(size, BEAM)]
     for name in names:
         if not is_chosen(name) or name not in {n for effects in pool.tried for n in effects}:

@@ -124,6 +124,21 @@ def test_rounding_is_no_noise_once_its_grid_is_known() -> None:
     assert pool.noise_floor == pytest.approx(np.sqrt(15.0**2 - (0.15 * 52.0) ** 2) * NM, rel=0.05)
 
 
+@pytest.mark.parametrize(("error", "kept"), [(60.0, True), (40.0, False)])
+def test_a_grid_is_dropped_if_an_explanation_follows_the_readings_more_closely(
+    error: float, kept: bool
+) -> None:
+    """Steps of 200 nm leave 58 nm rms, whatever the model."""
+    model = nominal_model()
+    grid = frozenset(["sensor_quantization"])
+    pool = Pool(None, trial(model, 90.0), trial(model, 90.0))  # type: ignore[arg-type]
+    pool.tried[grid] = trial(model.with_link("sensor_quantization", resolution=200.0 * NM), 95.0)
+    pool.tried[CREEP] = trial(model.with_link("creep"), error)
+    pool.drop_refuted_grid()
+    assert (grid in pool.tried) == kept
+    assert ("sensor_quantization" in pool.failures) != kept
+
+
 @pytest.mark.parametrize(("lag", "groups"), [(15.5, (("creep", "sensor_lag"),)), (20.0, ())])
 def test_only_what_leaves_about_as_much_is_a_group(lag: float, groups: object) -> None:
     """Half as probable, but a third more is left: these recordings do tell the two apart."""
