@@ -51,7 +51,7 @@ def diagnose(
             HELDOUT,
             metavar="RECORDING...",
             help="Recordings that judge and are not fitted (if they alone show the gap, half of"
-            " their blocks are, with a warning); without any, blocks are held out of what is given.",
+            " their blocks are); without any, blocks are held out of what is given.",
         ),
     ] = None,
     maps: MapOption = None,

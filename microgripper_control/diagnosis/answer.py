@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from microgripper_control.diagnosis.exploration import Pool
 from microgripper_control.diagnosis.findings import (
     EFFECTS,
     NONE,
@@ -14,6 +13,7 @@ from microgripper_control.diagnosis.findings import (
     Signature,
 )
 from microgripper_control.diagnosis.noise import removable
+from microgripper_control.diagnosis.pool import Pool
 from microgripper_control.diagnosis.trial import Trial
 from microgripper_control.diagnosis.weighing import (
     MISTUNED,

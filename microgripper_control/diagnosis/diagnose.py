@@ -8,12 +8,13 @@ from microgripper_control.core.recording import Recording
 from microgripper_control.diagnosis import answer
 from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.experiment import next_experiment
-from microgripper_control.diagnosis.exploration import Pool, Progress, explore, silent
+from microgripper_control.diagnosis.exploration import Progress, explore, silent
 from microgripper_control.diagnosis.findings import EFFECTS, NONE, Diagnosis, Gap, Judged
 from microgripper_control.diagnosis.freeform import explainable
 from microgripper_control.diagnosis.hold_check import hold_warnings
 from microgripper_control.diagnosis.identified_model import identified
 from microgripper_control.diagnosis.part import refined
+from microgripper_control.diagnosis.pool import Pool
 from microgripper_control.diagnosis.readings import reading_warnings
 from microgripper_control.diagnosis.refit import nominal_trial, refit_trial
 from microgripper_control.diagnosis.residuals import residuals_of

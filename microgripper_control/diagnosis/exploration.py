@@ -7,15 +7,16 @@ kept, and how probable each is follows from all of them together (see `weighing`
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 
 from microgripper_control.core.quantities import quantity
 from microgripper_control.diagnosis.evidence import Evidence
-from microgripper_control.diagnosis.grid import noise_under, refuted
-from microgripper_control.diagnosis.noise import innovation, removable
+from microgripper_control.diagnosis.grid import refuted
+from microgripper_control.diagnosis.noise import removable
 from microgripper_control.diagnosis.part import PART, any_dear, on_a_part, refined
+from microgripper_control.diagnosis.pool import Pool, is_chosen
 from microgripper_control.diagnosis.schedule import side_by_side
 from microgripper_control.diagnosis.screening import guesses
 from microgripper_control.diagnosis.trial import (
@@ -53,60 +54,6 @@ Progress = Callable[[str, int, int], None]  # what is being tried, how many are 
 
 def silent(what: str, done: int, total: int) -> None:
     """No progress shown."""
-
-
-@dataclass
-class Pool:
-    """Everything that was tried, and the evidence the last fits were made on."""
-
-    evidence: Evidence
-    nominal: Trial
-    refit: Trial
-    tried: dict[frozenset[str], Trial] = field(default_factory=dict)
-    failures: dict[str, str] = field(default_factory=dict)  # effect: why it could not be tried
-
-    @property
-    def own(self) -> frozenset[str]:
-        """The effects that the nominal model has already."""
-        return frozenset(self.nominal.effects)
-
-    @property
-    def noise_floor(self) -> float:
-        """m: the innovation of whichever explanation leaves the least, rounding taken away."""
-        trials = [self.nominal, self.refit, *self.tried.values()]
-        best = sorted(trials, key=lambda trial: trial.rmse)[:3]
-        least = min(min(innovation(trial.errors), trial.rmse) for trial in best)
-        return noise_under(least, self.step)
-
-    @property
-    def step(self) -> float:
-        """m: of the grid that the readings lie on, if that was tried; 0 if not."""
-        chosen = [(t, name) for t in self.tried.values() for name in t.effects if is_chosen(name)]
-        return max((t.model.value(name, "resolution") for t, name in chosen), default=0.0)
-
-    def add(self, trial: Trial) -> None:
-        """Keep a trial unless a better one of the same effects is there."""
-        effects = frozenset(trial.effects) - self.own
-        if not np.isfinite(trial.both):
-            self.failures["+".join(sorted(effects))] = "diverges on the samples that judge it"
-            return
-        known = self.tried.get(effects)
-        if effects and (known is None or trial.fitted_rmse < known.fitted_rmse):
-            self.tried[effects] = trial
-
-    def drop_refuted_grid(self) -> None:
-        """Forget a grid that some explanation follows the readings too closely for."""
-        chosen = [effects for effects in self.tried if any(map(is_chosen, effects))]
-        others = [t.fitted_rmse for effects, t in self.tried.items() if effects not in chosen]
-        if refuted(self.step, min(others, default=np.inf)):
-            for effects in chosen:
-                self.failures["+".join(sorted(effects))] = "the readings follow a model too closely"
-                del self.tried[effects]
-
-    def best(self, size: int, count: int) -> list[Trial]:
-        """The explanations with `size` effects that leave the least, best first."""
-        trials = [trial for effects, trial in self.tried.items() if len(effects) == size]
-        return sorted(trials, key=lambda trial: trial.both)[:count]
 
 
 def explore(
@@ -220,12 +167,6 @@ def _add_chosen(evidence: Evidence, pool: Pool, names: Sequence[str]) -> None:
         for leader in leaders:
             if name not in leader.effects:
                 pool.add(_behind(evidence, leader, name))
-
-
-def is_chosen(name: str) -> bool:
-    """Whether an effect is read off the recordings and not fitted: a sensor's grid."""
-    link = registry()[name]
-    return not link.random and not any(parameter.fitted for parameter in link.parameters)
 
 
 def _behind(evidence: Evidence, trial: Trial, name: str) -> Trial:

@@ -31,10 +31,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from microgripper_control.diagnosis.exploration import Pool, is_chosen
 from microgripper_control.diagnosis.findings import NONE, PARAMETERS, UNKNOWN, Signature
 from microgripper_control.diagnosis.grid import unrounded
 from microgripper_control.diagnosis.noise import independent_samples, removable
+from microgripper_control.diagnosis.pool import Pool, is_chosen
 from microgripper_control.diagnosis.trial import Trial
 
 Explanation = frozenset[str]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from microgripper_control.diagnosis.answer import ambiguous, by_importance
-from microgripper_control.diagnosis.exploration import Pool
+from microgripper_control.diagnosis.pool import Pool
 from microgripper_control.diagnosis.trial import Trial
 from microgripper_control.diagnosis.weighing import (
     MISTUNED,
