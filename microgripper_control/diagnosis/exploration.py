@@ -16,7 +16,7 @@ from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.grid import refuted
 from microgripper_control.diagnosis.noise import removable
 from microgripper_control.diagnosis.part import PART, any_dear, on_a_part, refined
-from microgripper_control.diagnosis.pool import Pool, is_chosen
+from microgripper_control.diagnosis.pool import Pool
 from microgripper_control.diagnosis.schedule import side_by_side
 from microgripper_control.diagnosis.screening import guesses
 from microgripper_control.diagnosis.trial import (
@@ -67,7 +67,7 @@ def explore(
     """Try the candidates, alone and together, as far as there is anything to explain."""
     pool = Pool(evidence, nominal, refit)
     names = [name for name in candidates if name not in pool.own]
-    fitted = [name for name in names if not is_chosen(name)]
+    fitted = [name for name in names if not registry()[name].read_off]
     bases = [base_of(evidence, refit), base_of(evidence, nominal)]
     for trial in _round(evidence, bases, names, len(names), pool, progress, jobs):
         pool.add(trial)
@@ -113,7 +113,7 @@ def _settled(pool: Pool) -> Pool:
     )
     leaders = pool.best(1, LEADERS)
     for effects, trial in pool.tried.items():
-        fit_on = trial in leaders and not any(is_chosen(name) for name in effects)
+        fit_on = trial in leaders and not any(registry()[name].read_off for name in effects)
         settled.add(polish(evidence, trial) if fit_on else unfitted(evidence, trial))
     return min(pool, settled, key=lambda one: min(t.rmse for t in (one.refit, *one.tried.values())))
 
@@ -161,9 +161,7 @@ def _add_chosen(evidence: Evidence, pool: Pool, names: Sequence[str]) -> None:
     """Put effects that are read off, not fitted (a sensor's grid), behind the best explanations."""
     pool.drop_refuted_grid()
     leaders = [trial for size in range(1, MOST_EFFECTS) for trial in pool.best(size, BEAM)]
-    for name in names:
-        if not is_chosen(name) or name not in {n for effects in pool.tried for n in effects}:
-            continue
+    for name in (n for n in names if registry()[n].read_off and frozenset([n]) in pool.tried):
         for leader in leaders:
             if name not in leader.effects:
                 pool.add(_behind(evidence, leader, name))
@@ -261,7 +259,7 @@ def _attempt(
     link = registry()[name]
     if not link.starts(evidence.scales):
         return None, "nothing in the recordings to start from"
-    if is_chosen(name):
+    if registry()[name].read_off:
         step, error = evidence.scales.resolution, bases[0].trial.fitted_rmse
         if refuted(step, error):
             return None, f"readings on steps of {quantity(step, 'm')} could not follow so closely"

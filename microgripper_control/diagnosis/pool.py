@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from microgripper_control.diagnosis.credibility import incredible
 from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.grid import noise_under, refuted
 from microgripper_control.diagnosis.noise import innovation
@@ -39,8 +40,8 @@ class Pool:
     @property
     def step(self) -> float:
         """m: of the grid that the readings lie on, if that was tried; 0 if not."""
-        chosen = [(t, name) for t in self.tried.values() for name in t.effects if is_chosen(name)]
-        return max((t.model.value(name, "resolution") for t, name in chosen), default=0.0)
+        grids = [(t, n) for added, t in self.tried.items() for n in added if registry()[n].read_off]
+        return max((t.model.value(n, "resolution") for t, n in grids), default=0.0)
 
     def add(self, trial: Trial) -> None:
         """Keep a trial unless a better one of the same effects is there."""
@@ -48,14 +49,19 @@ class Pool:
         if not np.isfinite(trial.both):
             self.failures["+".join(sorted(effects))] = "diverges on the samples that judge it"
             return
+        for name in incredible(self.evidence, trial):
+            self.failures["+".join(sorted(effects))] = (
+                f"{name.replace('_', ' ')} from before the recordings would have to do most of it"
+            )
+            return
         known = self.tried.get(effects)
         if effects and (known is None or trial.fitted_rmse < known.fitted_rmse):
             self.tried[effects] = trial
 
     def drop_refuted_grid(self) -> None:
         """Forget a grid that some explanation follows the readings too closely for."""
-        chosen = [effects for effects in self.tried if any(map(is_chosen, effects))]
-        others = [t.fitted_rmse for effects, t in self.tried.items() if effects not in chosen]
+        chosen = [added for added in self.tried if any(registry()[name].read_off for name in added)]
+        others = [t.fitted_rmse for added, t in self.tried.items() if added not in chosen]
         if refuted(self.step, min(others, default=np.inf)):
             for effects in chosen:
                 self.failures["+".join(sorted(effects))] = "the readings follow a model too closely"
@@ -65,9 +71,3 @@ class Pool:
         """The explanations with `size` effects that leave the least, best first."""
         trials = [trial for effects, trial in self.tried.items() if len(effects) == size]
         return sorted(trials, key=lambda trial: trial.both)[:count]
-
-
-def is_chosen(name: str) -> bool:
-    """Whether an effect is read off the recordings and not fitted: a sensor's grid."""
-    link = registry()[name]
-    return not link.random and not any(parameter.fitted for parameter in link.parameters)

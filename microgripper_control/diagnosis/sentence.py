@@ -156,11 +156,12 @@ def _vague(name: str, settings: Mapping[str, Setting]) -> str:
 
 def _shrunk(groups: Sequence[Sequence[str]], gap: Gap) -> str:
     added = " and ".join(" or ".join(map(_plain, group)) for group in groups)
-    if gap.augmented >= gap.refit:
+    if all(registry()[name].read_off for group in groups for name in group):
+        rounded = quantity(removable(gap.refit, gap.noise_floor), "m")
         return (
-            f"No model foretells the readings better for it: the held-out error is "
-            f"{quantity(gap.refit, 'm')} without {added} and {quantity(gap.augmented, 'm')} with "
-            f"it (noise floor {quantity(gap.noise_floor, 'm')})."
+            f"That is {rounded} of the held-out error of {quantity(gap.refit, 'm')} (noise floor "
+            f"{quantity(gap.noise_floor, 'm')}); which way a reading is rounded, no model "
+            "foretells."
         )
     low, high = (number(100.0 * end) for end in (gap.closed_low, gap.closed_high))
     return (

@@ -115,6 +115,16 @@ def no_starts(scales: Scales) -> Sequence[Values]:
     return ()
 
 
+# credible(values, course, scales): whether the course that one recording was given, m, shape (n,),
+# can be the link's own with these values. Weights are fitted freely: another cause may use them.
+Credible = Callable[[Values, Array, Scales], bool]
+
+
+def always_credible(values: Values, course: Array, scales: Scales) -> bool:
+    """A link without courses, or one whose courses may be of any size."""
+    return True
+
+
 # says(values, scales): what a technician sees of the effect, a clause in small letters with numbers
 # in practical units. Of a link whose size belongs to each recording, the size is left out.
 Says = Callable[[Values, Scales], str]
@@ -212,6 +222,7 @@ class Link:
     settling: Instants = no_instants
     courses: Courses = no_courses
     observed: Observed = nothing_observed
+    credible: Credible = always_credible
     starts: Starts = no_starts
     plausible: Plausible = as_declared
     idle: Idle = none_idle
@@ -228,6 +239,11 @@ class Link:
             raise ValueError(f"link {self.name}: either a kernel or a force is required")
         if not self.nominal and all(p.vanishing is None for p in self.parameters):
             raise ValueError(f"link {self.name}: no parameter says where the effect vanishes")
+
+    @property
+    def read_off(self) -> bool:
+        """Whether its parameters are read off the recordings, not fitted: a sensor's grid."""
+        return not self.random and not any(parameter.fitted for parameter in self.parameters)
 
     @property
     def place(self) -> tuple[int, int]:

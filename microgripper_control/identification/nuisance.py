@@ -77,8 +77,29 @@ def courses(model: Model, recording: Recording) -> Array:
     return np.concatenate([np.zeros((0, len(recording))), *rows])
 
 
+def own_courses(model: Model, recording: Recording, nuisance: Nuisance) -> dict[str, Array]:
+    """What each link's courses add to a recording with these weights, m, shape (n,) each."""
+    time = np.asarray(recording.sample_period * np.arange(len(recording)), dtype=np.float64)
+    shapes = {name: registry()[name].courses(model.values(name), time) for name in model.settings}
+    first = len(nuisance.weights) - sum(map(len, shapes.values()))  # the zero's comes before theirs
+    found = {}
+    for name, rows in shapes.items():
+        weights, first = nuisance.weights[first : first + len(rows)], first + len(rows)
+        if weights:
+            found[name] = np.array(weights) @ rows
+    return found
+
+
 def response(model: Model, recording: Recording, conditions: Conditions, h: float) -> Array:
-    """The model's displacement for a recording's voltage, m, shape (n,), without its courses."""
+    """The model's displacement for a recording's voltage, m, shape (n,), without its courses.
+
+    It is not rounded to a sensor's grid either: what is rounded has no slope to fit by.
+    """
+    rounding = [name for name in model.settings if registry()[name].read_off]
+    return _simulated(model.without(rounding) if rounding else model, recording, conditions, h)
+
+
+def _simulated(model: Model, recording: Recording, conditions: Conditions, h: float) -> Array:
     return simulate(
         model,
         recording.voltage,
@@ -93,7 +114,7 @@ def predict(
     model: Model, recording: Recording, conditions: Conditions, nuisance: Nuisance
 ) -> Array:
     """The model's prediction of a recording's displacement, m, shape (n,)."""
-    free = response(model, recording, conditions, nuisance.initial_hysteresis)
+    free = _simulated(model, recording, conditions, nuisance.initial_hysteresis)
     if not nuisance.weights:
         return free
     own: Array = np.array(nuisance.weights) @ courses(model, recording)

@@ -134,6 +134,21 @@ def test_what_only_the_held_out_recordings_reach_is_named(
     assert found.gap.augmented < 1.2 * NOISE
 
 
+def test_a_drift_is_not_called_creep_from_before_the_recordings(paper: Model) -> None:
+    """Without drift in the library, what creep leaves to each recording could do all of it."""
+
+    def drifting(seed: int) -> Recording:
+        run = record(paper, 15.0, seed)
+        time = PERIOD * np.arange(len(run))
+        drift = 4e-7 * np.random.default_rng(seed).choice([-1.0, 1.0]) * np.exp(-time / 4.0)
+        return Recording(run.name, PERIOD, run.voltage, run.measured + drift)
+
+    found = diagnose(paper, [drifting(1), drifting(2)], [drifting(4)], without=["thermal_drift"])
+    assert "creep" not in found.effects
+    (creep,) = (candidate for candidate in found.candidates if candidate.effect == "creep")
+    assert "from before the recordings" in creep.note
+
+
 def test_what_was_commanded_before_a_recording_began_is_blamed_on_nothing(paper: Model) -> None:
     """Cut out of a run just after a step that the rig has not answered yet."""
     period = 5e-3

@@ -20,6 +20,7 @@ from microgripper_control.core.signals import FREE, Array, Timing
 from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
 
 ELEMENTS = 8
+UNFINISHED = 3.0  # times the creep after a step over the stroke: wider ones may lie before
 
 
 def time_constants(values: Values) -> Array:
@@ -68,6 +69,12 @@ def courses(values: Values, time: Array) -> Array:
     return decays
 
 
+def credible(values: Values, course: Array, scales: Scales) -> bool:
+    """What was not complete in the beginning is no more than some steps can have left."""
+    decades = abs(math.log10(values["slowest"] / values["fastest"]))
+    return bool(np.ptp(course) <= UNFINISHED * values["strength"] * decades * scales.stroke)
+
+
 def starts(scales: Scales) -> Sequence[Values]:
     """Creep over all times that the recording shows, over the short ones and over the long."""
     shortest, longest = 3.0 * scales.sample_period, 3.0 * scales.duration
@@ -105,6 +112,7 @@ LINK = Link(
     prepare=prepare,
     kernel=kernel,
     courses=courses,
+    credible=credible,
     starts=starts,
     plausible=plausible,
     says=says,

@@ -10,7 +10,8 @@ from scipy.integrate import solve_ivp
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import FREE, Array
-from microgripper_control.effects.material.creep import courses, time_constants
+from microgripper_control.effects.base import Scales
+from microgripper_control.effects.material.creep import LINK, courses, time_constants
 from microgripper_control.effects.registry import link_named
 from microgripper_control.identification.fit import fit
 from microgripper_control.plant.model import Model
@@ -138,3 +139,12 @@ def test_a_periodic_voltage_meets_its_cycle_at_once(paper: Model) -> None:
     at_once = simulate(model, u, 2.5e-3, hold=Hold.ZERO, initial=Initial.PERIODIC)
     waited = simulate(model, np.tile(u, 30), 2.5e-3)[-400:]
     np.testing.assert_allclose(at_once, waited, rtol=0.0, atol=1e-7 * np.ptp(waited))
+
+
+@pytest.mark.parametrize(("size", "expected"), [(0.5, True), (50.0, False)])
+def test_creep_from_before_a_recording_is_no_larger_than_creep(size: float, expected: bool) -> None:
+    """Two decades at 1 % are 0.4 um of a stroke of 20 um; ten times as much is a drift."""
+    values = {"strength": 0.01, "fastest": 0.1, "slowest": 10.0}
+    scales = Scales(1e-3, 44.0, (0.0, 160.0), 500.0, (0.0, 20e-6), 5e7)
+    course = size * 0.4e-6 * np.exp(-np.linspace(0.0, 6.0, 500))
+    assert LINK.credible(values, course, scales) == expected
