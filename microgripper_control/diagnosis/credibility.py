@@ -13,17 +13,15 @@ from microgripper_control.effects.registry import registry
 from microgripper_control.identification.nuisance import fit_nuisance, own_courses
 
 
-def incredible(evidence: Evidence, trial: Trial) -> list[str]:
-    """The effects of a trial whose own courses are larger than their law allows."""
-    doubted = [n for n in trial.effects if registry()[n].credible is not always_credible]
-    if not doubted:
-        return []
-    found = set()
+def incredible(evidence: Evidence, trial: Trial) -> str:
+    """An effect of a trial whose own courses are larger than its law allows; empty if none is."""
+    model = trial.model
+    if all(registry()[name].credible is always_credible for name in trial.effects):
+        return ""
     for recording, used in zip(evidence.fitted, evidence.used, strict=True):
-        nuisance = fit_nuisance(trial.model, recording, evidence.conditions, used)
-        own = own_courses(trial.model, recording, nuisance)
-        for name in doubted:
-            values = trial.model.values(name)
-            if name in own and not registry()[name].credible(values, own[name], evidence.scales):
-                found.add(name)
-    return sorted(found)
+        nuisance = fit_nuisance(model, recording, evidence.conditions, used)
+        for name, (weights, shapes) in own_courses(model, recording, nuisance).items():
+            course = weights @ shapes
+            if not registry()[name].credible(model.values(name), course, evidence.scales):
+                return name
+    return ""

@@ -50,7 +50,7 @@ class Evidence:
     judged: tuple[Recording, ...]
     compared: tuple[Mask, ...]  # of those the samples that may judge
     conditions: Conditions
-    separate: bool  # whether the judged recordings are others than the fitted ones
+    separate: bool  # whether the recordings that judge were given for that
     scales: Scales
 
     @classmethod

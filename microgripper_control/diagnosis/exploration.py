@@ -107,14 +107,15 @@ def _settled(pool: Pool) -> Pool:
         return pool
     settled = Pool(
         evidence,
-        unfitted(evidence, pool.nominal),
+        judged(evidence, unfitted(evidence, pool.nominal)),
         refine(evidence, pool.refit, ROUGH, 12),
         failures=pool.failures,
     )
     leaders = pool.best(1, LEADERS)
     for effects, trial in pool.tried.items():
         fit_on = trial in leaders and not any(registry()[name].read_off for name in effects)
-        settled.add(polish(evidence, trial) if fit_on else unfitted(evidence, trial))
+        kept = polish(evidence, trial) if fit_on else judged(evidence, unfitted(evidence, trial))
+        settled.add(kept)
     return min(pool, settled, key=lambda one: min(t.rmse for t in (one.refit, *one.tried.values())))
 
 
@@ -259,7 +260,7 @@ def _attempt(
     link = registry()[name]
     if not link.starts(evidence.scales):
         return None, "nothing in the recordings to start from"
-    if registry()[name].read_off:
+    if link.read_off:
         step, error = evidence.scales.resolution, bases[0].trial.fitted_rmse
         if refuted(step, error):
             return None, f"readings on steps of {quantity(step, 'm')} could not follow so closely"

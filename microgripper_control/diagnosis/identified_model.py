@@ -12,6 +12,7 @@ from microgripper_control.diagnosis.trial import Trial, problem_of
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.confidence import autocorrelation_time, interval
 from microgripper_control.identification.determined import variances
+from microgripper_control.identification.nuisance import own_courses
 from microgripper_control.identification.problem import Problem
 from microgripper_control.plant.model import Model, Setting
 from microgripper_control.plant.simulate import Hold
@@ -73,17 +74,10 @@ def _as_observed(problem: Problem, z: Array, model: Model) -> Model:
 
     A live simulation needs their sizes; no prediction changes by them.
     """
-    recording, weights = problem.recordings[0], np.array(problem.nuisances(z)[0].weights)
+    recording = problem.recordings[0]
     time = np.asarray(recording.sample_period * np.arange(len(recording)), dtype=np.float64)
-    counts = {
-        name: len(registry()[name].courses(model.values(name), time)) for name in model.settings
-    }
-    first = len(weights) - sum(counts.values())  # the zero's weight comes before theirs
-    for name, count in counts.items():
-        own, first = weights[first : first + count], first + count
-        if not count:
-            continue
-        for key, value in registry()[name].observed(model.values(name), own, time).items():
+    for name, (weights, _) in own_courses(model, recording, problem.nuisances(z)[0]).items():
+        for key, value in registry()[name].observed(model.values(name), weights, time).items():
             inside = registry()[name].parameter(key).nearest(value)
             model = model.with_values({(name, key): inside})
     return model

@@ -10,7 +10,15 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from microgripper_control.diagnosis.evidence import Evidence
-from microgripper_control.diagnosis.trial import Base, Trial, base_of, moved, refine
+from microgripper_control.diagnosis.trial import (
+    Base,
+    Trial,
+    base_of,
+    fit_on,
+    judged_once,
+    moved,
+    refine,
+)
 from microgripper_control.effects.registry import registry
 
 
@@ -53,10 +61,10 @@ def refined(evidence: Evidence, trial: Trial, tolerance: float, evaluations: int
     effort = TO_THE_END if few and len(trial.effects) == 1 else ENOUGH
     for _ in range(ROUNDS):
         before = trial.fitted_rmse
-        trial = refine(evidence, trial, effort.tolerance, effort.evaluations, fresh=trial.effects)
+        trial = fit_on(evidence, trial, effort.tolerance, effort.evaluations, fresh=trial.effects)
         if trial.fitted_rmse > effort.worth_another * before:
             break
-    return trial
+    return judged_once(evidence, trial)
 
 
 def any_dear(effects: Iterable[str]) -> bool:

@@ -9,7 +9,6 @@ import numpy as np
 from microgripper_control.diagnosis.credibility import incredible
 from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.grid import noise_under, refuted
-from microgripper_control.diagnosis.noise import innovation
 from microgripper_control.diagnosis.trial import Trial
 from microgripper_control.effects.registry import registry
 
@@ -34,8 +33,7 @@ class Pool:
         """m: the innovation of whichever explanation leaves the least, rounding taken away."""
         trials = [self.nominal, self.refit, *self.tried.values()]
         best = sorted(trials, key=lambda trial: trial.rmse)[:3]
-        least = min(min(innovation(trial.errors), trial.rmse) for trial in best)
-        return noise_under(least, self.step)
+        return noise_under(min(trial.noise_floor for trial in best), self.step)
 
     @property
     def step(self) -> float:
@@ -47,12 +45,11 @@ class Pool:
         """Keep a trial unless a better one of the same effects is there."""
         effects = frozenset(trial.effects) - self.own
         if not np.isfinite(trial.both):
-            self.failures["+".join(sorted(effects))] = "diverges on the samples that judge it"
+            self._failed(effects, "diverges on the samples that judge it")
             return
-        for name in incredible(self.evidence, trial):
-            self.failures["+".join(sorted(effects))] = (
-                f"{name.replace('_', ' ')} from before the recordings would have to do most of it"
-            )
+        if name := incredible(self.evidence, trial):
+            before = f"{name.replace('_', ' ')} from before the recordings"
+            self._failed(effects, f"{before} would have to do most of it")
             return
         known = self.tried.get(effects)
         if effects and (known is None or trial.fitted_rmse < known.fitted_rmse):
@@ -64,8 +61,11 @@ class Pool:
         others = [t.fitted_rmse for added, t in self.tried.items() if added not in chosen]
         if refuted(self.step, min(others, default=np.inf)):
             for effects in chosen:
-                self.failures["+".join(sorted(effects))] = "the readings follow a model too closely"
+                self._failed(effects, "the readings follow a model too closely")
                 del self.tried[effects]
+
+    def _failed(self, effects: frozenset[str], why: str) -> None:
+        self.failures["+".join(sorted(effects))] = why
 
     def best(self, size: int, count: int) -> list[Trial]:
         """The explanations with `size` effects that leave the least, best first."""

@@ -63,4 +63,4 @@ def _at(
     trial = unfitted(evidence, Trial(model, free, initial, np.inf))
     if not np.isfinite(trial.fitted_rmse):
         raise ValueError("the nominal model gives no finite displacement for the recordings")
-    return trial
+    return judged(evidence, trial)

@@ -155,7 +155,6 @@ def _vague(name: str, settings: Mapping[str, Setting]) -> str:
 
 
 def _shrunk(groups: Sequence[Sequence[str]], gap: Gap) -> str:
-    added = " and ".join(" or ".join(map(_plain, group)) for group in groups)
     if all(registry()[name].read_off for group in groups for name in group):
         rounded = quantity(removable(gap.refit, gap.noise_floor), "m")
         return (
@@ -163,6 +162,7 @@ def _shrunk(groups: Sequence[Sequence[str]], gap: Gap) -> str:
             f"{quantity(gap.noise_floor, 'm')}); which way a reading is rounded, no model "
             "foretells."
         )
+    added = " and ".join(" or ".join(map(_plain, group)) for group in groups)
     low, high = (number(100.0 * end) for end in (gap.closed_low, gap.closed_high))
     return (
         f"Adding {added} takes the held-out error from {quantity(gap.refit, 'm')} to "

@@ -10,6 +10,7 @@ method); only the explanation that is finally chosen is polished with all deriva
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -20,6 +21,7 @@ from scipy.optimize import least_squares
 
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.evidence import Evidence, rms
+from microgripper_control.diagnosis.noise import innovation
 from microgripper_control.diagnosis.prior import Prior
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.nuisance import fit_nuisance
@@ -56,10 +58,20 @@ class Trial:
         """Root mean square error on the judging samples, m."""
         return rms(self.errors)
 
+    @cached_property
+    def noise_floor(self) -> float:
+        """The innovation of its errors, m, which cannot be more than they are."""
+        return min(innovation(self.errors), self.rmse)
+
     @property
     def both(self) -> float:
         """The same, m, with the fitted samples given as much weight as the judging ones."""
-        return float(np.hypot(self.fitted_rmse, self.rmse) / np.sqrt(2.0))
+        return evenly(self.rmse, self.fitted_rmse)
+
+
+def evenly(judged: float, fitted: float) -> float:
+    """Two errors as one, m rms, with as much weight for each."""
+    return math.hypot(judged, fitted) / math.sqrt(2.0)
 
 
 @dataclass(frozen=True)
@@ -117,7 +129,6 @@ def base_of(evidence: Evidence, trial: Trial) -> Base:
     return Base(trial, problem.residuals(z), problem.jacobian(z), scales)
 
 
-@np.errstate(all="ignore")  # a step too far may overflow: it is then not taken
 def refine(
     evidence: Evidence,
     trial: Trial,
@@ -125,7 +136,19 @@ def refine(
     evaluations: int = 40,
     fresh: Collection[str] | None = None,
 ) -> Trial:
-    """Fit on from a trial, and judge what comes out.
+    """`fit_on` from a trial, and judge what comes out."""
+    return judged_once(evidence, fit_on(evidence, trial, tolerance, evaluations, fresh))
+
+
+@np.errstate(all="ignore")  # a step too far may overflow: it is then not taken
+def fit_on(
+    evidence: Evidence,
+    trial: Trial,
+    tolerance: float,
+    evaluations: int,
+    fresh: Collection[str] | None = None,
+) -> Trial:
+    """Fit on from a trial; not judged yet.
 
     All derivatives are taken anew at each step, or only those by the parameters of the links
     `fresh`. Where the model diverges beside a point a fit cannot go on: the trial stays as it is.
@@ -144,16 +167,16 @@ def refine(
             jacobian = _chord(problem, columns, anew)
         squares, z = _descend(evidence, problem, z, jacobian, tolerance, evaluations)
     except (ValueError, FloatingPointError, np.linalg.LinAlgError):
-        return trial if trial.errors else judged(evidence, trial)
-    return judged(evidence, trial_at(problem, z, squares))
+        return trial
+    return trial_at(problem, z, squares)
 
 
 def unfitted(evidence: Evidence, trial: Trial) -> Trial:
-    """The same values on other evidence, judged."""
+    """The same values on other evidence; not judged yet."""
     problem = problem_of(evidence, trial.model, trial.free)
     z = problem.point(trial.model, trial.initial_hysteresis)
     residuals = problem.residuals(z)
-    return judged(evidence, trial_at(problem, z, float(residuals @ residuals)))
+    return trial_at(problem, z, float(residuals @ residuals))
 
 
 def moved(evidence: Evidence, trial: Trial) -> Trial:
@@ -225,9 +248,15 @@ def trial_at(problem: Problem, z: Array, squares: float) -> Trial:
     )
 
 
+@np.errstate(all="ignore")  # what was fitted elsewhere may overflow
 def judged(evidence: Evidence, trial: Trial) -> Trial:
     """The trial with what it leaves on the judging samples."""
     return replace(trial, errors=tuple(evidence.errors(trial.model)))
+
+
+def judged_once(evidence: Evidence, trial: Trial) -> Trial:
+    """The trial judged, if it is not already."""
+    return trial if trial.errors else judged(evidence, trial)
 
 
 def _descend(

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from microgripper_control.core.quantities import quantity
 from microgripper_control.diagnosis.evidence import MOST_SIMULATED, Evidence
-from microgripper_control.diagnosis.noise import innovation, removable
+from microgripper_control.diagnosis.noise import removable
 from microgripper_control.diagnosis.trial import Trial
 
 SHOWN = 0.3  # of the gap on the held-out recordings: the others show it if theirs is larger
@@ -19,7 +19,7 @@ def unseen_gap(evidence: Evidence, refit: Trial) -> bool:
     """Whether the refitted model fails on the held-out recordings by what the fit never saw."""
     if not evidence.separate or _samples(evidence) > MOST_SIMULATED:
         return False
-    floor = min(innovation(refit.errors), refit.rmse)
+    floor = refit.noise_floor
     gap, seen = removable(refit.rmse, floor), removable(refit.fitted_rmse, floor)
     return gap > REAL * floor and seen < SHOWN * gap
 

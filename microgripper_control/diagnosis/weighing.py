@@ -35,7 +35,7 @@ from microgripper_control.diagnosis.findings import NONE, PARAMETERS, UNKNOWN, S
 from microgripper_control.diagnosis.grid import unrounded
 from microgripper_control.diagnosis.noise import independent_samples, removable
 from microgripper_control.diagnosis.pool import Pool
-from microgripper_control.diagnosis.trial import Trial
+from microgripper_control.diagnosis.trial import Trial, evenly
 from microgripper_control.effects.registry import registry
 
 Explanation = frozenset[str]
@@ -76,7 +76,7 @@ class Left(NamedTuple):
     @property
     def both(self) -> float:
         """As `Trial.both`."""
-        return math.hypot(*self) / math.sqrt(2.0)
+        return evenly(*self)
 
 
 @dataclass(frozen=True)

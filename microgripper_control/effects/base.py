@@ -11,6 +11,7 @@ from __future__ import annotations
 import enum
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -240,7 +241,7 @@ class Link:
         if not self.nominal and all(p.vanishing is None for p in self.parameters):
             raise ValueError(f"link {self.name}: no parameter says where the effect vanishes")
 
-    @property
+    @cached_property
     def read_off(self) -> bool:
         """Whether its parameters are read off the recordings, not fitted: a sensor's grid."""
         return not self.random and not any(parameter.fitted for parameter in self.parameters)

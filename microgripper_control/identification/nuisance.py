@@ -69,25 +69,30 @@ class Nuisance:
 
 def courses(model: Model, recording: Recording) -> Array:
     """What the weights multiply, shape (p, n): the zero, unless frozen, then each link's own."""
-    time = np.asarray(recording.sample_period * np.arange(len(recording)), dtype=np.float64)
     rows: list[Array] = []
     if "sensor_zero" not in model.settings:
         rows.append(np.ones((1, len(recording))))
-    rows += [registry()[name].courses(model.values(name), time) for name in model.settings]
+    rows += _by_link(model, recording).values()
     return np.concatenate([np.zeros((0, len(recording))), *rows])
 
 
-def own_courses(model: Model, recording: Recording, nuisance: Nuisance) -> dict[str, Array]:
-    """What each link's courses add to a recording with these weights, m, shape (n,) each."""
-    time = np.asarray(recording.sample_period * np.arange(len(recording)), dtype=np.float64)
-    shapes = {name: registry()[name].courses(model.values(name), time) for name in model.settings}
+def own_courses(
+    model: Model, recording: Recording, nuisance: Nuisance
+) -> dict[str, tuple[Array, Array]]:
+    """Of each link that has courses their weights, m, shape (p,), and themselves, shape (p, n)."""
+    shapes = _by_link(model, recording)
     first = len(nuisance.weights) - sum(map(len, shapes.values()))  # the zero's comes before theirs
     found = {}
     for name, rows in shapes.items():
         weights, first = nuisance.weights[first : first + len(rows)], first + len(rows)
         if weights:
-            found[name] = np.array(weights) @ rows
+            found[name] = np.array(weights), rows
     return found
+
+
+def _by_link(model: Model, recording: Recording) -> dict[str, Array]:
+    time = np.asarray(recording.sample_period * np.arange(len(recording)), dtype=np.float64)
+    return {name: registry()[name].courses(model.values(name), time) for name in model.settings}
 
 
 def response(model: Model, recording: Recording, conditions: Conditions, h: float) -> Array:
