@@ -50,7 +50,7 @@ def nominal_values() -> dict[str, float]:
 
 def mechanics_step() -> Array:
     """The exact map of the nominal mechanics over a sample period of held voltage, shape (8,)."""
-    timing = Timing.divide(SAMPLE_PERIOD, {0.0}, ramped=False)
+    timing = Timing.divide(SAMPLE_PERIOD, {0.0}, set(), ramped=False)
     values = nominal_model().values("second_order")
     row: Array = second_order.prepare(values, timing, np.zeros(4)).coefficients[0]
     return row

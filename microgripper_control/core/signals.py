@@ -30,18 +30,23 @@ class Timing:
 
     `steps` are the durations of the internal steps of one sample period, s, and sum to it. They
     need not be equal: a delay of a fraction of a sample puts a boundary exactly there.
+    `quiet` are the steps, by index, at whose start a stepped voltage does not jump.
     """
 
     sample_period: float
     steps: tuple[float, ...]
     ramped: bool
+    quiet: frozenset[int] = frozenset()
 
     @classmethod
-    def divide(cls, sample_period: float, breaks: set[float], ramped: bool) -> Timing:
-        """Divide a sample period at `breaks`, fractions of it in [0, 1)."""
-        edges = [*sorted({0.0, *breaks}), 1.0]
+    def divide(
+        cls, sample_period: float, jumps: set[float], breaks: set[float], ramped: bool
+    ) -> Timing:
+        """Divide a sample period at `jumps` of a stepped voltage and `breaks`, shares in [0, 1)."""
+        edges = [*sorted({0.0} | jumps | breaks), 1.0]
         steps = tuple(float(d) * sample_period for d in np.diff(edges))
-        return cls(sample_period, steps, ramped)
+        quiet = frozenset(i for i, edge in enumerate(edges[:-1]) if edge not in jumps)
+        return cls(sample_period, steps, ramped, quiet)
 
     @property
     def ends(self) -> Array:

@@ -24,6 +24,7 @@ from microgripper_control.diagnosis.trial import (
     Trial,
     base_of,
     extend,
+    fit_on,
     judged,
     moved,
     refine,
@@ -38,12 +39,12 @@ SECONDS, SECONDS_IF_DEAR = 5, 3  # further effects that are fitted, the most pro
 RUNNERS_UP = 2  # among them those that explain most by themselves
 UNEXPLAINED = 0.3  # of the noise floor: a structured rest above it asks for another effect,
 UNCLOSED = 0.1  # if it is more of the gap than a law leaves that is right but not the rig's own
-FAIR_PART = 0.12  # of the gap; two independent effects of one size close 0.3 of it each
+FAIR_PART = 0.2  # of the gap; two independent effects of one size close 0.3 of it each
 RIVAL = 0.7  # of what the best closes: what the second must close to be a leader as well,
 RIVAL_IF_DEAR = 0.9  # and what it must with a force that remembers the way
 NEAR = 3.0  # times what the best leaves: what leaves less is fitted on, all derivatives fresh,
 NEAR_IF_JOINED = 1.5  # but not so far off if it joins another and each sample is dear,
-FEW = 2  # and no more than so many of these
+FEW = 2  # and no more than so many of these, if they have helped at all by then
 LEADERS = 4  # explanations by one effect that are fitted again on settled evidence
 GLANCE = 6000  # samples on which it is seen what a dear force promises
 SETTLING_IN = 5  # steps with the same derivatives, from a part of the samples to all of them
@@ -69,8 +70,10 @@ def explore(
     names = [name for name in candidates if name not in pool.own]
     fitted = [name for name in names if not registry()[name].read_off]
     bases = [base_of(evidence, refit), base_of(evidence, nominal)]
-    for trial in _round(evidence, bases, names, len(names), pool, progress, jobs):
-        pool.add(trial)
+    dear = [name for name in names if any_dear([name])]
+    for some in ([name for name in names if name not in dear], dear):
+        for trial in _round(evidence, bases, some, len(some), pool, progress, jobs):
+            pool.add(trial)
     pool = _settled(pool)
     evidence = pool.evidence
     for size in range(1, MOST_EFFECTS):
@@ -194,8 +197,11 @@ def _round(
     before = bases[0].trial
     first = before is pool.refit
     # What leaves nothing to explain cannot lose to another effect: a look at each is enough.
-    shown = PART if first and _unexplained([before], pool) else GLANCE
-    tasks = [(evidence, bases, name, shown) for name in names]
+    wanting = first and _unexplained(pool.best(1, 1) or [before], pool)
+    shown, near = (PART, NEAR) if wanting else (GLANCE, NEAR_IF_JOINED)
+    known = [trial.fitted_rmse for trial in pool.tried.values()]
+    hopeless = np.inf if wanting or not known else near * min(known)
+    tasks = [(evidence, bases, name, shown, hopeless) for name in names]
     progress("", 0, len(tasks))
     for done, (name, trial, why) in enumerate(side_by_side(attempt, tasks, jobs), start=1):
         progress(name, done, len(tasks))
@@ -212,14 +218,14 @@ def _round(
     progress("the best of them", 0, 1)
     fits += [trial for trial in pool.tried.values() if len(trial.free) > len(before.free)]
     least = min(trial.fitted_rmse for trial in fits)
-    near = NEAR if first else NEAR_IF_JOINED
+    near = min(near * least, before.fitted_rmse)
     yield from side_by_side(polish, [(evidence, t) for t in _going_on(best, least, near)], jobs)
 
 
 def _going_on(best: Sequence[Trial], least: float, near: float) -> list[Trial]:
-    """Those that leave no more than a few times the least; of dear ones fewer."""
+    """Those that leave no more than a few times the least, and dear ones that leave `near`, m."""
     cheap = [t for t in best if not any_dear(t.effects) and t.fitted_rmse < NEAR * least]
-    dear = [t for t in best if any_dear(t.effects) and t.fitted_rmse < near * least]
+    dear = [t for t in best if any_dear(t.effects) and t.fitted_rmse < near]
     return [*cheap, *dear[:FEW]]
 
 
@@ -241,21 +247,21 @@ def _promise(evidence: Evidence, bases: Sequence[Base], name: str) -> tuple[str,
 
 
 def attempt(
-    evidence: Evidence, bases: Sequence[Base], name: str, most: int
+    evidence: Evidence, bases: Sequence[Base], name: str, most: int, hopeless: float
 ) -> tuple[str, Trial | None, str]:
     """Add one effect to the bases: its name, the best fit, and why there is none.
 
-    A dear one is fitted on `most` samples.
+    A dear one is fitted on `most` samples, and no further if it leaves `hopeless`, m, of them.
     """
     try:
         with np.errstate(all="ignore"):  # a hopeless guess may overflow: it is then no start
-            return name, *_attempt(evidence, bases, name, most)
+            return name, *_attempt(evidence, bases, name, most, hopeless)
     except (ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
         return name, None, f"could not be fitted: {error}"
 
 
 def _attempt(
-    evidence: Evidence, bases: Sequence[Base], name: str, most: int
+    evidence: Evidence, bases: Sequence[Base], name: str, most: int, hopeless: float
 ) -> tuple[Trial | None, str]:
     link = registry()[name]
     if not link.starts(evidence.scales):
@@ -277,5 +283,7 @@ def _attempt(
     for fit in found:  # what fits a part may diverge elsewhere
         whole = unfitted(evidence, moved(evidence, fit))
         if np.isfinite(whole.fitted_rmse):
-            return refine(evidence, whole, ROUGH, SETTLING_IN, fresh=()), ""
+            if fit.fitted_rmse < hopeless:
+                whole = fit_on(evidence, whole, ROUGH, SETTLING_IN, fresh=())
+            return judged(evidence, whole), ""
     return None, "diverges where it was not fitted"

@@ -6,7 +6,8 @@ omega = sqrt((k + k_s + stiffness of the forces)/m), and dies away at a rate lam
 - A mass that comes to rest within the step needs two substeps (one if w ran straight, for then it
   hardly rings): forces that know only where it stands forget the way it came.
 - Forces that follow the path count every turn of the ringing: some substeps a half swing until it
-  has died away, and one for the rest.
+  has died away, and one for the rest. That is counted from jump to jump, however finely a link
+  behind wants to see the mass on its way.
 - A mass that still moves at the end of the step needs FINE radians of the ringing a substep, and
   FINE_BY_PATH where forces follow the path; coarser ones do where much has died away by the end,
   or where such forces are weak beside k + k_s.
@@ -20,8 +21,9 @@ voltage's corners are as far apart as the mass takes to come to rest, else to 1e
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 from scipy.linalg import expm
@@ -43,6 +45,7 @@ AT_REST_SMOOTHLY = 2.4  # and where w runs from corner to corner and the mass ha
 DIED_AWAY = 5.0  # time constants after which the rest of the ringing does not matter
 RUNG = 1.25  # omega is rounded to powers of this where substeps are counted
 MOST_SUBSTEPS = 1000
+HARDLY = 1e-6  # of a step: no substep is shorter
 FOREVER = 1e9  # s
 
 
@@ -58,8 +61,8 @@ def prepare(values: Values, timing: Timing, levels: Array, loads: Sequence[Load]
         laws.append(_row([address, force.states, *force.coefficients(given)]))
     omega = math.sqrt(_stiffness(values, loads) / values["m"])
     substeps = []
-    for step in timing.steps:
-        spans = _division(values, omega, step, timing.ramped, carried > 0)
+    divided = _divisions(values, omega, timing, carried > 0)
+    for step, spans in zip(timing.steps, divided, strict=True):
         substeps += _substeps(values, omega, step, spans, timing.ramped)
     state = np.zeros(layout.CARRIED + 2 * carried)
     rest = np.zeros((len(levels), 3))  # the last time it only refines
@@ -88,6 +91,34 @@ def _rest(values: Values) -> Array:
     row[layout.TO_END + 3] = values["k"] / (values["k"] + values["k_s"])
     row[layout.TO_END + 6] = 1.0 / (values["k"] + values["k_s"])
     return row
+
+
+def _divisions(
+    values: Values, omega: float, timing: Timing, by_path: bool
+) -> Iterator[list[float]]:
+    """The substeps of each step of the bus, s."""
+    steps = timing.steps
+    if timing.ramped or not by_path:
+        yield from (_division(values, omega, step, timing.ramped, by_path) for step in steps)
+        return
+    begin = 0
+    while begin < len(steps):  # the ringing after a jump goes on over the steps without one
+        end = begin + 1
+        while end in timing.quiet:
+            end += 1
+        spans = _division(values, omega, sum(steps[begin:end]), False, True)
+        yield from _cut(spans, steps[begin:end])
+        begin = end
+
+
+def _cut(spans: Sequence[float], steps: Sequence[float]) -> Iterator[list[float]]:
+    """Spans that follow each other, cut where steps of the same whole length end."""
+    ends = np.cumsum(spans)
+    edges = np.append(0.0, np.cumsum(steps))
+    for begin, end in pairwise(edges):
+        close = HARDLY * (end - begin)
+        inside = ends[(ends > begin + close) & (ends < end - close)]
+        yield np.diff([begin, *inside, end]).tolist()
 
 
 def _division(

@@ -30,9 +30,9 @@ class Chain:
         random: bool = False,
     ) -> None:
         links = [link for link in model.links if random or not link.random]
-        edges = _edges(model, links, sample_period, ramped)
-        edges |= {i / divisions for i in range(divisions)}
-        self.timing = timing = Timing.divide(sample_period, edges, ramped)
+        jumps, breaks = _edges(model, links, sample_period, ramped)
+        jumps |= {i / divisions for i in range(divisions)}
+        self.timing = timing = Timing.divide(sample_period, jumps, breaks, ramped)
         levels = levels.copy()
         self._continuous: list[tuple[Kernel, Array, Array]] = []
         self._sampled: list[tuple[Kernel, Array, Array]] = []
@@ -116,8 +116,10 @@ def _ready(
     return link.kernel, link.prepare(values, timing, levels)
 
 
-def _edges(model: Model, links: list[Link], sample_period: float, ramped: bool) -> set[float]:
-    """Where the links want a sample period divided, in fractions of it."""
+def _edges(
+    model: Model, links: list[Link], sample_period: float, ramped: bool
+) -> tuple[set[float], set[float]]:
+    """Where in a sample period a held voltage jumps, and where links want it divided, as shares."""
     jumps, breaks = {0.0}, {0.0}
     followed = not ramped and any(link.follows for link in links)
     for link in links:
@@ -126,4 +128,4 @@ def _edges(model: Model, links: list[Link], sample_period: float, ramped: bool) 
         breaks |= link.breaks(values, sample_period)
         if followed:
             breaks |= link.settling(values, sample_period)
-    return {(jump + wanted) % 1.0 for jump in jumps for wanted in breaks}
+    return jumps, {(jump + wanted) % 1.0 for jump in jumps for wanted in breaks}

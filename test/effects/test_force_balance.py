@@ -41,20 +41,20 @@ def load(law: Callable[..., float], size: float, states: int = 0) -> Load:
     return Force(law, lambda values: [size], lambda values: stiffness, states), {}
 
 
-def under(
-    values: Values, loads: list[Load], w: Array, steps: tuple[float, ...], ramped: bool
-) -> Array:
-    prepared = mass_under_forces.prepare(
-        values, Timing(sum(steps), steps, ramped), np.zeros(ROWS), loads
-    )
+def grid(steps: tuple[float, ...], ramped: bool) -> Timing:
+    return Timing(sum(steps), steps, ramped)
+
+
+def under(values: Values, loads: list[Load], w: Array, timing: Timing) -> Array:
+    prepared = mass_under_forces.prepare(values, timing, np.zeros(ROWS), loads)
     bus = np.zeros((ROWS, len(w)))
     bus[FREE] = w
     force_balance.kernel(prepared.coefficients, prepared.state, bus)
     return bus[POSITION]
 
 
-def alone(values: Values, w: Array, steps: tuple[float, ...], ramped: bool) -> Array:
-    prepared = second_order.prepare(values, Timing(sum(steps), steps, ramped), np.zeros(ROWS))
+def alone(values: Values, w: Array, timing: Timing) -> Array:
+    prepared = second_order.prepare(values, timing, np.zeros(ROWS))
     bus = np.zeros((ROWS, len(w)))
     bus[FREE] = w
     second_order.kernel(prepared.coefficients, prepared.state, bus)
@@ -77,9 +77,9 @@ def test_a_spring_is_more_stiffness(
     stiffer = {**values, "k_s": values["k_s"] + size}
     states = 1 if law is spring_by_path else 0
     for steps in ((1e-3,), (0.3e-3, 0.7e-3), (2e-5,)):
-        expected = alone(stiffer, wandering, steps, ramped)
-        found = under(values, [load(law, size, states)], wandering, steps, ramped)
-        effect = np.max(np.abs(expected - alone(values, wandering, steps, ramped)))
+        expected = alone(stiffer, wandering, grid(steps, ramped))
+        found = under(values, [load(law, size, states)], wandering, grid(steps, ramped))
+        effect = np.max(np.abs(expected - alone(values, wandering, grid(steps, ramped))))
         assert np.max(np.abs(found - expected)) < 5e-3 * effect
 
 
@@ -87,9 +87,9 @@ def test_a_spring_is_more_stiffness(
 def test_a_damper_is_more_damping(slow: Model, wandering: Array, ramped: bool) -> None:
     values = slow.values("second_order")
     damped = {**values, "b": 4.0 * values["b"]}
-    expected = alone(damped, wandering, (1e-3,), ramped)
-    found = under(values, [load(damper, 3.0 * values["b"])], wandering, (1e-3,), ramped)
-    effect = np.max(np.abs(expected - alone(values, wandering, (1e-3,), ramped)))
+    expected = alone(damped, wandering, grid((1e-3,), ramped))
+    found = under(values, [load(damper, 3.0 * values["b"])], wandering, grid((1e-3,), ramped))
+    effect = np.max(np.abs(expected - alone(values, wandering, grid((1e-3,), ramped))))
     assert np.max(np.abs(found - expected)) < 5e-3 * effect
 
 
@@ -98,8 +98,8 @@ def test_forces_add_up_each_with_its_own_state(slow: Model, wandering: Array) ->
     part = 0.1 * values["k"]
     loads = [load(spring_by_path, part, 1), load(spring, part), load(spring_by_path, 2.0 * part, 1)]
     stiffer = {**values, "k_s": values["k_s"] + 4.0 * part}
-    expected = alone(stiffer, wandering, (2e-5,), True)
-    found = under(values, loads, wandering, (2e-5,), True)
+    expected = alone(stiffer, wandering, grid((2e-5,), True))
+    found = under(values, loads, wandering, grid((2e-5,), True))
     np.testing.assert_allclose(found, expected, atol=1e-4 * np.ptp(expected))
 
 
@@ -108,11 +108,11 @@ def test_the_error_falls_with_the_fourth_power_of_the_step(slow: Model) -> None:
     size, period, coarse = 0.5 * values["k"], 1e-4, 40
     stiffer = {**values, "k_s": values["k_s"] + size}
     w = np.sin(np.arange(1, coarse + 1) / 7.0)
-    expected = alone(stiffer, w, (period,), True)
+    expected = alone(stiffer, w, grid((period,), True))
     errors = []
     for parts in (8, 16, 32):
         fine = np.interp(np.arange(1, coarse * parts + 1) / parts, np.arange(coarse + 1), [0.0, *w])
-        found = under(values, [load(spring, size)], fine, (period / parts,), True)
+        found = under(values, [load(spring, size)], fine, grid((period / parts,), True))
         errors.append(np.max(np.abs(found[parts - 1 :: parts] - expected)))
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert np.all(orders > 3.7), orders
@@ -121,8 +121,30 @@ def test_the_error_falls_with_the_fourth_power_of_the_step(slow: Model) -> None:
 def test_a_law_that_gives_nonsense_ends_in_nonsense_not_in_a_hang(slow: Model) -> None:
     values = slow.values("second_order")
     runaway = Force(spring, lambda _: [-1e9 * values["k"]], lambda _: 0.0)
-    found = under(values, [(runaway, {})], np.ones(2000), (1e-3,), False)
+    found = under(values, [(runaway, {})], np.ones(2000), grid((1e-3,), False))
     assert not np.all(np.isfinite(found)) or np.max(np.abs(found)) > 1e3
+
+
+def test_the_ringing_is_divided_from_jump_to_jump_not_from_step_to_step(paper: Model) -> None:
+    """Twelve steps cost a cut each, and the mass goes where a stiffer one goes in one step."""
+    values, period, parts = paper.values("second_order"), 1e-3, 12
+    size = 0.5 * values["k"]
+    steps = (0.01 * period,) * (parts - 1) + (period * (1.0 - 0.01 * (parts - 1)),)
+    cut = Timing(period, steps, False, quiet=frozenset(range(1, parts)))
+    rows = [
+        len(
+            mass_under_forces.prepare(
+                values, timing, np.zeros(ROWS), [load(spring_by_path, size, 1)]
+            ).coefficients
+        )
+        for timing in (grid((period,), False), cut)
+    ]
+    assert rows[0] < rows[1] < rows[0] + parts
+    w = np.repeat(np.random.default_rng(3).uniform(0.0, 1.0, 200), parts)
+    stiffer = {**values, "k_s": values["k_s"] + size}
+    expected = alone(stiffer, w, cut)
+    found = under(values, [load(spring_by_path, size, 1)], w, cut)
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=2e-3 * np.ptp(expected))
 
 
 def test_a_mass_that_never_rests_is_divided_only_so_far(slow: Model) -> None:

@@ -37,6 +37,13 @@ def test_divisions_change_nothing_under_a_held_voltage(paper: Model) -> None:
 def test_a_fraction_of_a_delay_puts_a_boundary_there(paper: Model) -> None:
     chain = Chain(paper.with_link("transport_delay", delay=2.25e-3), PERIOD, np.zeros(ROWS))
     np.testing.assert_allclose(chain.timing.steps, [0.25e-3, 0.75e-3])
+    assert not chain.timing.quiet - {0}, "there the voltage jumps"
+
+
+def test_the_voltage_is_quiet_where_only_a_follower_looks(paper: Model) -> None:
+    chain = Chain(paper.with_link("backlash", play=1e-7), PERIOD, np.zeros(ROWS))
+    assert chain.steps > 2
+    assert chain.timing.quiet == frozenset(range(1, chain.steps))
 
 
 def test_random_links_run_only_when_asked_for(paper: Model) -> None:
