@@ -18,10 +18,11 @@ def incredible(evidence: Evidence, trial: Trial) -> str:
     model = trial.model
     if all(registry()[name].credible is always_credible for name in trial.effects):
         return ""
+    conditions = evidence.conditions
     for recording, used in zip(evidence.fitted, evidence.used, strict=True):
-        nuisance = fit_nuisance(model, recording, evidence.conditions, used)
+        nuisance = fit_nuisance(model, recording, conditions, used)
         for name, (weights, shapes) in own_courses(model, recording, nuisance).items():
-            course = weights @ shapes
+            course = (weights @ shapes)[conditions.answered(recording) & used]
             if not registry()[name].credible(model.values(name), course, evidence.scales):
                 return name
     return ""

@@ -37,7 +37,7 @@ class Guess:
 
 
 def guesses(evidence: Evidence, bases: Sequence[Base], effect: str, wanted: int) -> list[Guess]:
-    """The best first guesses of an effect, `wanted` or fewer, and the best of each base."""
+    """First guesses of an effect: `wanted` of the best kind, and the best of another and a base."""
     starts = registry()[effect].starts(evidence.scales)
     found = [
         guess
@@ -50,8 +50,21 @@ def guesses(evidence: Evidence, bases: Sequence[Base], effect: str, wanted: int)
         if model is not guess.model and (again := _judge(evidence, guess.base, model)):
             found.append(again)
     found.sort(key=lambda guess: (guess.idle, guess.left))
+    if not found:
+        return []
+    kinds = [_kind(guess.model, effect) for guess in found]
+    alike = [guess for guess, kind in zip(found, kinds, strict=True) if kind == kinds[0]]
+    other = [guess for guess, kind in zip(found, kinds, strict=True) if kind != kinds[0]]
     firsts = {id(guess.base): guess for guess in reversed(found)}
-    return [g for i, g in enumerate(found) if i < wanted or g is firsts[id(g.base)]]
+    chosen = [*alike[:wanted], *other[:1], *firsts.values()]
+    return [guess for guess in found if any(guess is one for one in chosen)]
+
+
+def _kind(model: Model, effect: str) -> tuple[object, ...]:
+    """What a fit leaves as it was: a law may have parts of which a start takes one or the other."""
+    link, values = registry()[effect], model.values(effect)
+    kept = (values[parameter.name] for parameter in link.parameters if not parameter.fitted)
+    return (*kept, *sorted(link.idle(values)))
 
 
 def _with(model: Model, effect: str, values: Values) -> Model:

@@ -28,6 +28,7 @@ LOOKS = 9  # at the initial h, all over its range,
 GAUSS_NEWTON_STEPS = 4  # from the best of them
 WAYS = (1.0, 0.3)  # shares of such a step that are tried
 PROBE = 1e-3  # of the largest h: the finite difference for its influence
+HARDLY_SEEN = 3e-5  # of the best seen courses: what died away before the samples gets no weight
 FORGOTTEN = 1e-4  # of the most that h changes: what changes less need not be simulated again
 
 
@@ -169,7 +170,7 @@ def fit_nuisance(
         without = Projection.off(shapes)
         h = _fit_hysteresis(lambda h: without((recording.measured - answer(h))[mask]), bound)
         error = recording.measured - answer(h)
-    weights, *_ = np.linalg.lstsq(shapes.T, error[mask], rcond=None)
+    weights, *_ = np.linalg.lstsq(shapes.T, error[mask], rcond=HARDLY_SEEN)
     return Nuisance(h, tuple(map(float, weights)))
 
 

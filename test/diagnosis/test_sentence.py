@@ -50,6 +50,11 @@ CLAUSES = [
     ("rate_dependent_hysteresis", {"strength": 0.08}, ["widens by 8.0 % per decade of rate"]),
     ("rate_dependent_hysteresis", {"strength": -0.08}, ["narrows by 8.0 %"]),
     (
+        "rate_dependent_hysteresis",
+        {"strength": 0.01, "late": 0.3, "memory": 4e-3},
+        ["narrows by 30 % where the voltage changes within 4 ms"],
+    ),
+    (
         "asymmetric_hysteresis",
         {"tilt": 1e-9, "bulge": 0.0, "twist": 0.0, "skew": 0.0},
         ["lopsided", "%"],

@@ -11,6 +11,7 @@ from microgripper_control.identification.nuisance import (
     blocks,
     fit_nuisance,
     heldout_prediction,
+    predict,
 )
 from microgripper_control.plant.model import nominal_model
 from microgripper_control.plant.simulate import Initial, simulate
@@ -46,6 +47,17 @@ def test_the_course_of_a_hum_and_a_drift_belongs_to_the_recording() -> None:
     model = nominal_model().with_link("mains_hum", frequency=50.0).with_link("thermal_drift")
     prediction, counted = heldout_prediction(model, noisy, Conditions())
     assert np.max(np.abs((noisy.measured - prediction)[counted])) < 2e-9
+
+
+def test_a_course_that_died_away_unseen_gets_no_weight() -> None:
+    """The first samples are not compared: creep of a few of them could be put there at will."""
+    clean = recording()
+    noise = np.random.default_rng(2).normal(0.0, 15e-9, len(clean))
+    noisy = Recording("run", 1e-3, VOLTAGE.copy(), clean.measured + noise)
+    model = nominal_model().with_link("creep", strength=1e-9, fastest=1.5e-3, slowest=10.0)
+    found = fit_nuisance(model, noisy, Conditions())
+    prediction = predict(model, noisy, Conditions(), found)
+    assert np.max(np.abs(noisy.measured - prediction)) < 2e-7
 
 
 def test_blocks_alternate_and_share_every_sample_once() -> None:

@@ -1,17 +1,23 @@
 """Hysteresis that widens with the rate of the voltage, about as its logarithm.
 
-    w_r = w - f h - e,    f = strength R,    R = log10((reference + r) / (reference + pivot)),
-    r' = (|u'| - r) / memory,
+    w_r = w - f h - e - late (g - h),    f = strength R,    R = (q^power - 1) / (power ln 10),
+    q = (reference + r) / (reference + pivot),    r' = (|u'| - r) / memory,
     e' = -fed f' h - (beta |u'| + gamma u' sgn h) e
-         - fed R (fading |u'| + turning u' sgn (h + e)) (h + e)
+         - fed R (fading |u'| + turning u' sgn (h + e)) (h + e),
+    g' = (h - g) / memory
 
 h is the paper's, which is what the loop is made of; the rate r forgets the past within `memory`.
 With fed = 0 the loop is scaled at once. With fed = 1 the material remembers at what rate it was
 driven: where beta and gamma are those of h, f h + e is a second Bouc-Wen variable with n = 1 that
 is fed f times as much as h. `fading` and `turning` let beta and gamma depend on the rate as well.
-Far above `reference` each decade of the rate adds the share `strength`; at the rate `pivot` the
-loop is the paper's, which has been like that all the time before a run begins. A jump of a held
-voltage counts as its height, spread over `memory`, and finds r there already.
+
+R is log10 q at power 0: far above `reference` each decade of the rate adds the share `strength`.
+With a power above zero the fast decades add more than the slow ones (Box and Cox's family). At the
+rate `pivot` the loop is the paper's, which has been like that all the time before a run begins. A
+jump of a held voltage counts as its height, spread over `memory`, and finds r there already.
+
+`late` is the share of h that has not come yet when the voltage changes within `memory`: domains
+that switch with a delay. A share below zero overshoots.
 """
 
 import math
@@ -21,20 +27,27 @@ import numpy as np
 
 from microgripper_control.core.compiled import compiled
 from microgripper_control.core.parameters import Parameter
-from microgripper_control.core.quantities import percent
+from microgripper_control.core.quantities import percent, quantity
 from microgripper_control.core.signals import FREE, HYSTERESIS, VOLTAGE, Array, Timing
 from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
 
 
 @compiled
+def grown(x: float, power: float) -> float:
+    """(e^(power x) - 1) / power, x at power 0."""
+    return math.expm1(power * x) / power if power != 0.0 else x
+
+
+@compiled
 def kernel(coefficients: Array, state: Array, bus: Array) -> None:
-    """State: the voltage so far, r, h, f, e.
+    """State: the voltage so far, r, h, f, e, g.
 
     A row: decay of r, what |change| of the voltage adds to r at once and on the way, 1 / reference,
-    ln (1 + pivot / reference), strength, fading and turning over ln 10, fed, beta, gamma.
+    ln (1 + pivot / reference), strength, fading and turning over ln 10, fed, beta, gamma, power,
+    late.
     """
     steps = coefficients.shape[0]
-    u, rate, h, f, e = state[0], state[1], state[2], state[3], state[4]
+    u, rate, h, f, e, g = state[0], state[1], state[2], state[3], state[4], state[5]
     for j in range(bus.shape[1]):
         c = coefficients[j % steps]
         du, new = bus[VOLTAGE, j] - u, bus[HYSTERESIS, j]
@@ -44,57 +57,65 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
         kept = math.exp(-(c[9] * way + c[10] * turn))
         if c[1] > 0.0:  # held: first the rate jumps, then the voltage, and then the rate decays
             rate += c[1] * way
-            level = math.log1p(rate * c[3]) - c[4]
+            level = grown(math.log1p(rate * c[3]) - c[4], c[11])
             e = kept * (e - c[8] * (c[5] * level - f) * h)
             f, over, middle = c[5] * level, new, new
             rate = c[0] * rate + c[2] * way
-            later = c[5] * (math.log1p(rate * c[3]) - c[4])
+            later = c[5] * grown(math.log1p(rate * c[3]) - c[4], c[11])
         else:
             e *= kept
             over = 0.5 * (h + new)
             middle = over * math.sqrt(kept)
             rate = c[0] * rate + c[2] * way
-            level = math.log1p(rate * c[3]) - c[4]
+            level = grown(math.log1p(rate * c[3]) - c[4], c[11])
             later = c[5] * level
         e -= c[8] * (later - f) * middle
         whole = over + e
         turn = du if whole >= 0.0 else -du
         e += whole * math.expm1(-level * (c[6] * way + c[7] * turn))
+        g = over + (g - over) * c[0]
         h, f = new, later
-        bus[FREE, j] -= f * h + e
-    state[0], state[1], state[2], state[3], state[4] = u, rate, h, f, e
+        bus[FREE, j] -= f * h + e + c[12] * (g - h)
+    state[0], state[1], state[2], state[3], state[4], state[5] = u, rate, h, f, e, g
 
 
 def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     """The levels are left alone: at rest the rate is zero."""
     memory, steps = values["memory"], np.array(timing.steps)
-    resting = -math.log1p(values["pivot"] / values["reference"])
+    about = math.log1p(values["pivot"] / values["reference"])
+    resting = grown(-about, values["power"])
     by_decade = np.array([values[name] for name in ("strength", "fading", "turning")])
     by_decade *= np.array([1.0, values["fed"], values["fed"]]) / math.log(10.0)
-    rows = np.zeros((len(steps), 11))
+    rows = np.zeros((len(steps), 13))
     rows[:, 0] = np.exp(-steps / memory)
     if timing.ramped:
         rows[:, 2] = -np.expm1(-steps / memory) / steps
     else:
         rows[:, 1] = 1.0 / memory
     rows[:, 3:] = (
-        *(1.0 / values["reference"], -resting, *by_decade),
-        *(values["fed"], values["beta"], values["gamma"]),
+        *(1.0 / values["reference"], about, *by_decade),
+        *(values["fed"], values["beta"], values["gamma"], values["power"], values["late"]),
     )
     h, f = levels[HYSTERESIS], by_decade[0] * resting
-    state = np.array([levels[VOLTAGE], 0.0, h, f, -values["fed"] * f * h])
+    state = np.array([levels[VOLTAGE], 0.0, h, f, -values["fed"] * f * h, h])
     return Prepared(rows, state, timing.ramped)
 
 
 def starts(scales: Scales) -> Sequence[Values]:
-    """Memories from a few samples to the length of a recording; h fed more, and h scaled.
+    """Memories from a few samples to the length of a recording; h fed more, scaled, or late.
 
     The pivot lies between slow and fast: the refitted plant is right at rates that it has met.
     """
     shortest = 3.0 * scales.sample_period
     pivot = {"pivot": math.sqrt(scales.rate * scales.swing / scales.duration)}
     fed = {"fed": 1.0, "beta": 2.4 / scales.swing, "gamma": -3.6 / scales.swing}  # as the paper's
-    ways = (fed | {"reference": 10.0}, fed | {"reference": 300.0}, {"fed": 0.0})
+    ways = (
+        fed | {"reference": 10.0},
+        fed | {"reference": 300.0},
+        fed | {"reference": 300.0, "power": 0.4},
+        {"fed": 0.0},
+        fed | {"reference": 300.0, "strength": 0.0, "late": 0.1},
+    )
     return [
         {"strength": 0.05, "memory": min(100.0, memory)} | pivot | way
         for way in ways
@@ -109,14 +130,20 @@ def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
 
 
 def idle(values: Values) -> Collection[str]:
-    """What is not fed does not decay."""
-    return () if values["fed"] else ("beta", "gamma", "fading", "turning")
+    """What is not fed does not decay; `late` and `power` are left at zero if they start there."""
+    decay = () if values["fed"] else ("beta", "gamma", "fading", "turning")
+    return *decay, *(name for name in ("late", "power") if values[name] == 0.0)
 
 
 def says(values: Values, scales: Scales) -> str:
-    way = "widens" if values["strength"] >= 0.0 else "narrows"
-    share = percent(abs(values["strength"]))
-    return f"the hysteresis depends on the rate: the loop {way} by {share} per decade of rate"
+    strength, late = values["strength"], values["late"]
+    if abs(late) > abs(strength):
+        way, share = "narrows" if late >= 0.0 else "widens", percent(abs(late))
+        change = f"{share} where the voltage changes within {quantity(values['memory'], 's', 1)}"
+    else:
+        way, share = "widens" if strength >= 0.0 else "narrows", percent(abs(strength))
+        change = f"{share} per decade of rate"
+    return f"the hysteresis depends on the rate: the loop {way} by {change}"
 
 
 LINK = Link(
@@ -132,6 +159,8 @@ LINK = Link(
         Parameter("gamma", "1/V", -0.0227, -100.0, 100.0, "decay of e by direction"),
         Parameter("fading", "1/V", 0.0, -10.0, 10.0, "what a decade of rate adds to beta", 0.0),
         Parameter("turning", "1/V", 0.0, -10.0, 10.0, "what it adds to gamma", 0.0),
+        Parameter("late", "1", 0.0, -1.0, 5.0, "share of h that comes late by `memory`", 0.0),
+        Parameter("power", "1", 0.0, -1.0, 1.0, "0: each decade counts; above: fast ones more"),
         Parameter("fed", "1", 1.0, 0.0, 1.0, "1: h is fed more; 0: it is scaled", fitted=False),
         Parameter("reference", "V/s", 10.0, 1e-6, 1e9, "from where the loop widens", fitted=False),
         Parameter("pivot", "V/s", 0.0, 0.0, 1e9, "rate of the paper's loop", fitted=False),

@@ -72,7 +72,7 @@ LINK = Link(
         Parameter("position", "m", 1.5e-5, -1.0, 1.0, "where the finger touches"),
         Parameter("stiffness", "N/m", 2e6, 0.0, 1e12, "force by depth, 1 um deep", 0.0),
         Parameter("exponent", "1", 1.0, 1.0, 3.0, "1 linear, 1.5 Hertz", fitted=False),
-        Parameter("damping", "s/m", 0.0, 0.0, 1e6, "share of force by speed", fitted=False),
+        Parameter("damping", "s/m", 0.0, 0.0, 1e6, "share of force by speed"),
         Parameter("side", "1", 1.0, -1.0, 1.0, "1 beyond, -1 below the position", fitted=False),
     ),
     starts=starts,

@@ -1,4 +1,4 @@
-"""Friction in guide or joint: it sticks like a spring, slips at a force that falls with speed.
+"""Friction in guide or joint: it sticks like a spring, slips at a force that depends on speed.
 
     F = -f,    f' = stiffness x' (1 - r) (1 + bend r)      while it is loaded further, r >= 0,
                f' = stiffness x' (1 - recovery r)          on the way back, r < 0,
@@ -6,9 +6,10 @@
 
 At bend 0 and recovery 1 this is Dahl's bristle. `bend` keeps it stiff until shortly before it
 slips, and a small `recovery` lets it come back along its own stiffness, as the elasto-plastic
-bristle of Dupont does; the breakaway force is Stribeck's as in LuGre. At excess 0 it depends on the
-path alone, in closed form; with excess, g is taken at the mean speed of a step. LuGre's viscous
-term is not repeated: the mechanics' b is one.
+bristle of Dupont does; the breakaway force is Stribeck's as in LuGre, and with an excess below zero
+it grips the more the faster it slides, as grease does. At excess 0 it depends on the path alone, in
+closed form; with excess, g is taken at the mean speed of a step. LuGre's viscous term is not
+repeated: the mechanics' b is one.
 """
 
 import math
@@ -112,7 +113,7 @@ LINK = Link(
         Parameter("stiffness", "N/m", 2e7, 1.0, 1e13, "of what sticks, before it slides"),
         Parameter("bend", "1", 0.0, 0.0, 10.0, "how long it stays stiff before it slips"),
         Parameter("recovery", "1", 1.0, 0.0, 2.0, "of a slipped bristle on the way back"),
-        Parameter("excess", "1", 0.2, 0.0, 5.0, "of breaking away over sliding, a share"),
+        Parameter("excess", "1", 0.2, -0.95, 5.0, "of breaking away over sliding, a share"),
         Parameter(
             "stribeck_speed", "m/s", 1e-4, 1e-9, 10.0, "over which the excess goes", fitted=False
         ),

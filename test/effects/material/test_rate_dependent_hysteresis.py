@@ -15,7 +15,7 @@ from microgripper_control.plant.simulate import Hold, Initial, simulate
 
 LINK = "rate_dependent_hysteresis"
 VALUES = {"strength": 0.2, "memory": 0.03, "reference": 5.0}
-PLAIN = {"fading": 0.0, "turning": 0.0}
+PLAIN = {"fading": 0.0, "turning": 0.0, "power": 0.0, "late": 0.0}
 SCALED = VALUES | PLAIN | {"beta": 0.0152, "gamma": -0.0227, "fed": 0.0, "pivot": 0.0}
 
 
@@ -38,6 +38,24 @@ def test_at_a_steady_rate_it_is_the_logarithm_of_it() -> None:
         u = rate * 1e-3 * np.arange(1, 1001)
         out = added(u, np.ones(1000), (1e-3,), True)
         np.testing.assert_allclose(out[-1], -share(np.array(rate)), rtol=1e-6)
+
+
+@pytest.mark.parametrize("power", [-0.5, 1e-7, 0.4])
+def test_with_a_power_the_decades_count_unequally(power: float) -> None:
+    for rate in (0.5, 50.0, 5000.0):
+        u = rate * 1e-3 * np.arange(1, 1001)
+        out = added(u, np.ones(1000), (1e-3,), True, power=power, pivot=20.0)
+        q = (VALUES["reference"] + rate) / (VALUES["reference"] + 20.0)
+        grown = np.log10(q) if abs(power) < 1e-6 else (q**power - 1.0) / power / np.log(10.0)
+        np.testing.assert_allclose(out[-1], -VALUES["strength"] * grown, rtol=2e-6)
+
+
+def test_a_late_share_of_h_follows_within_the_memory() -> None:
+    """After a jump of h the share is missing and comes as 1 - exp(-t / memory)."""
+    steps, late = (0.4e-3, 0.6e-3), 0.3
+    t = np.cumsum(np.resize(steps, 200))
+    out = added(np.zeros(200), np.ones(200), steps, False, strength=0.0, late=late)
+    np.testing.assert_allclose(out, late * np.exp(-t / VALUES["memory"]), rtol=1e-10)
 
 
 def test_the_rate_is_averaged_over_the_memory() -> None:

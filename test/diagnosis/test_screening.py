@@ -1,0 +1,35 @@
+"""Which first guesses of an effect are fitted."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from microgripper_control.core.recording import Recording
+from microgripper_control.diagnosis.evidence import Evidence
+from microgripper_control.diagnosis.refit import nominal_trial, refit_trial
+from microgripper_control.diagnosis.screening import guesses
+from microgripper_control.diagnosis.trial import base_of
+from microgripper_control.identification.nuisance import Conditions
+from microgripper_control.plant.model import nominal_model
+from microgripper_control.plant.simulate import simulate
+
+EFFECT = "rate_dependent_hysteresis"
+
+
+def test_a_law_with_parts_is_started_from_more_than_one_of_them() -> None:
+    """The best of the guesses are of one kind; the best of another has its chance."""
+    paper = nominal_model()
+    t = 1e-3 * np.arange(6000)
+    voltage = 75.0 - 75.0 * np.cos(2.0 * np.pi * (1.0 + 2.0 * t) * t)
+    rig = paper.with_link(EFFECT, strength=0.0, late=0.5, memory=4e-3)
+    noise = np.random.default_rng(1).normal(0.0, 15e-9, len(t))
+    recording = Recording("run", 1e-3, voltage, simulate(rig, voltage, 1e-3) + noise)
+    evidence = Evidence.gather([recording], (), Conditions(), paper)
+    nominal = nominal_trial(evidence, paper)
+    bases = [base_of(evidence, trial) for trial in (refit_trial(evidence, nominal), nominal)]
+    found = guesses(evidence, bases, EFFECT, 2)
+    late = [guess.model.value(EFFECT, "late") != 0.0 for guess in found]
+    assert late[0], "what was planted comes first"
+    assert not all(late)
+    assert len(found) <= 5
+    assert [guess.left for guess in found] == sorted(guess.left for guess in found)
