@@ -188,11 +188,7 @@ def _round(
 ) -> Iterator[Trial]:
     """Add each of some effects to the bases: all are screened, the `most` promising are fitted."""
     if most < len(names):
-        looks = [(evidence, bases, name) for name in names]
-        left: Mapping[str, float] = dict(side_by_side(_promise, looks, jobs))
-        alone = [name for trial in pool.best(1, len(pool.tried)) for name in trial.effects]
-        strong = [name for name in alone if name in left][:RUNNERS_UP]
-        names = sorted(left, key=lambda name: (name not in strong, left[name]))[:most]
+        names = _promising(evidence, bases, names, pool, jobs)[:most]
     found = []
     before = bases[0].trial
     first = before is pool.refit
@@ -220,6 +216,17 @@ def _round(
     least = min(trial.fitted_rmse for trial in fits)
     near = min(near * least, before.fitted_rmse)
     yield from side_by_side(polish, [(evidence, t) for t in _going_on(best, least, near)], jobs)
+
+
+def _promising(
+    evidence: Evidence, bases: Sequence[Base], names: Sequence[str], pool: Pool, jobs: int
+) -> list[str]:
+    """The effects in the order in which they are worth a fit; first those that are strong alone."""
+    looks = [(evidence, bases, name) for name in names]
+    left: Mapping[str, float] = dict(side_by_side(_promise, looks, jobs))
+    alone = [name for trial in pool.best(1, len(pool.tried)) for name in trial.effects]
+    strong = [name for name in alone if name in left][:RUNNERS_UP]
+    return sorted(left, key=lambda name: (name not in strong, left[name]))
 
 
 def _going_on(best: Sequence[Trial], least: float, near: float) -> list[Trial]:
