@@ -116,9 +116,10 @@ def _settled(pool: Pool) -> Pool:
     )
     leaders = pool.best(1, LEADERS)
     for effects, trial in pool.tried.items():
-        fit_on = trial in leaders and not any(registry()[name].read_off for name in effects)
-        kept = polish(evidence, trial) if fit_on else judged(evidence, unfitted(evidence, trial))
-        settled.add(kept)
+        if trial in leaders and not any(registry()[name].read_off for name in effects):
+            settled.add(polish(evidence, trial))
+        else:
+            settled.add(judged(evidence, unfitted(evidence, trial)))
     return min(pool, settled, key=lambda one: min(t.rmse for t in (one.refit, *one.tried.values())))
 
 

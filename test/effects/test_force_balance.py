@@ -149,9 +149,8 @@ def test_the_ringing_is_divided_from_jump_to_jump_not_from_step_to_step(paper: M
 
 def test_a_mass_that_never_rests_is_divided_only_so_far(slow: Model) -> None:
     values = {**slow.values("second_order"), "b": 0.0, "m": 1e-9}
-    timing = Timing(1.0, (1.0,), False)
     prepared = mass_under_forces.prepare(
-        values, timing, np.zeros(ROWS), [load(spring_by_path, 1e3, 1)]
+        values, grid((1.0,), False), np.zeros(ROWS), [load(spring_by_path, 1e3, 1)]
     )
     assert len(prepared.coefficients) == 2 + mass_under_forces.MOST_SUBSTEPS
 
