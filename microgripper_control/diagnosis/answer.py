@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 from microgripper_control.diagnosis.findings import (
@@ -41,10 +42,20 @@ def verdict(weighed: Weighed) -> str:
     return max(kinds, key=lambda kind: kinds[kind])
 
 
-def chosen(weighed: Weighed) -> Explanation:
-    """The most probable explanation by effects; empty if none was tried."""
-    tried = {effects: p for effects, p in weighed.items() if effects not in ANSWERS}
-    return max(tried, key=lambda effects: tried[effects]) if tried else frozenset()
+def chosen(weighed: Weighed, pool: Pool) -> Explanation:
+    """Of the explanations by effects that the most probable first effect leads, the best.
+
+    One effect may share its probability among several sets with others: the answer begins with the
+    effect that stands first among the candidates. Empty if none was tried.
+    """
+    led: dict[str, dict[Explanation, float]] = {}
+    for effects, probability in weighed.items():
+        if effects not in ANSWERS:
+            led.setdefault(by_importance(effects, pool)[0], {})[effects] = probability
+    if not led:
+        return frozenset()
+    best = max(led.values(), key=lambda own: math.fsum(own.values()))
+    return max(best, key=lambda effects: best[effects])
 
 
 def by_importance(effects: Explanation, pool: Pool) -> tuple[str, ...]:
@@ -140,7 +151,7 @@ def stages(found: Sequence[Candidate]) -> dict[str, float]:
 
 def ambiguous(weighed: Weighed, pool: Pool) -> tuple[tuple[str, ...], ...]:
     """Groups of effects that could stand for each other in the chosen explanation."""
-    best = chosen(weighed)
+    best = chosen(weighed, pool)
     least = explained(best, pool.tried[best], pool)
     groups: dict[str, set[str]] = {}
     for other, probability in weighed.items():

@@ -69,7 +69,7 @@ def diagnose(
     effects: tuple[str, ...] = ()
     best = before if verdict == NONE else refit
     if verdict == EFFECTS:
-        effects = answer.by_importance(answer.chosen(weighed), pool)
+        effects = answer.by_importance(answer.chosen(weighed, pool), pool)
         best = refined(evidence, pool.tried[frozenset(effects)], FINE, 20)
     model = nominal if verdict == NONE else identified(evidence, best)
     found = answer.candidates(weighed, pool, names, signs, model)

@@ -276,7 +276,7 @@ def _attempt(
         return None, "nothing in the recordings to start from"
     if link.read_off:
         step, error = evidence.scales.resolution, bases[0].trial.fitted_rmse
-        if refuted(step, error):
+        if refuted(step, error, [recording.measured for recording in evidence.fitted]):
             return None, f"readings on steps of {quantity(step, 'm')} could not follow so closely"
         return _behind(evidence, bases[0].trial, name), ""
     part, anchors = on_a_part(evidence, bases, name, most)

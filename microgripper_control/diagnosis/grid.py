@@ -15,6 +15,7 @@ BINS = 1 << 16  # of the range of all readings
 SHARP = 0.5  # how far a comb's density follows its step, noise of a quarter of a step and less,
 ALONE = 0.3  # and how far, of that, it may follow any other
 BOWED = 0.15  # of a step, rms: what a real converter's grid is off an even one
+A_STEP, OFTEN = 1.2, 4.0  # values, if they are no more than a grid has; how often each is read
 TOO_CLOSE = 0.8  # of what rounding leaves: readings that follow a model closer are on no such grid
 
 
@@ -36,12 +37,21 @@ def noise_under(floor: float, step: float) -> float:
     return min(floor, max(unrounded(floor, step), BOWED * step))
 
 
-def refuted(step: float, error: float) -> bool:
+def refuted(step: float, error: float, readings: Sequence[Array]) -> bool:
     """Whether readings that follow some model with an error, m rms, cannot have such a step, m.
 
-    A comb of positions can be the excitation's: a staircase of equal steps has one as well.
+    A comb of positions can be the excitation's: a staircase of equal steps has one as well. Where
+    the readings are no more values than the grid has, it is theirs, however close a model comes: at
+    a few levels a flexible one follows the rounding itself.
     """
-    return error < TOO_CLOSE * rounding(step)
+    close = error < TOO_CLOSE * rounding(step)
+    return close and not all(_rounded(one, step) for one in readings)
+
+
+def _rounded(displacement: Array, step: float) -> bool:
+    """Whether there is hardly more than one value for each step, m, and that is read often."""
+    values = len(np.unique(displacement))
+    return values < min(A_STEP * (np.ptp(displacement) / step + 1.0), len(displacement) / OFTEN)
 
 
 def common_step(readings: Sequence[Array]) -> float:

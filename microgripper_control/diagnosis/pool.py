@@ -59,7 +59,8 @@ class Pool:
         """Forget a grid that some explanation follows the readings too closely for."""
         chosen = [added for added in self.tried if any(registry()[name].read_off for name in added)]
         others = [t.fitted_rmse for added, t in self.tried.items() if added not in chosen]
-        if refuted(self.step, min(others, default=np.inf)):
+        readings = [recording.measured for recording in self.evidence.fitted]
+        if refuted(self.step, min(others, default=np.inf), readings):
             for effects in chosen:
                 self._failed(effects, "the readings follow a model too closely")
                 del self.tried[effects]

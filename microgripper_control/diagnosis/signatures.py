@@ -93,7 +93,8 @@ def sensor_quantization(residuals: Sequence[Residual], noise: float) -> list[Sig
     """Readings that repeat, on a grid."""
     readings = [residual.recording.measured for residual in residuals]
     grid = common_step(readings)
-    if refuted(grid, rms([residual.error[residual.counted] for residual in residuals])):
+    error = rms([residual.error[residual.counted] for residual in residuals])
+    if refuted(grid, error, readings):
         grid = 0.0
     distinct = min(len(np.unique(one)) / len(one) for one in readings)
     step = grid if grid > 0.0 else max(float(np.median(np.diff(np.unique(r)))) for r in readings)

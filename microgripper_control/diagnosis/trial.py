@@ -135,9 +135,10 @@ def refine(
     tolerance: float = FINE,
     evaluations: int = 40,
     fresh: Collection[str] | None = None,
+    trust: float = 1.0,
 ) -> Trial:
     """`fit_on` from a trial, and judge what comes out."""
-    return judged_once(evidence, fit_on(evidence, trial, tolerance, evaluations, fresh))
+    return judged_once(evidence, fit_on(evidence, trial, tolerance, evaluations, fresh, trust))
 
 
 @np.errstate(all="ignore")  # a step too far may overflow: it is then not taken
@@ -147,11 +148,13 @@ def fit_on(
     tolerance: float,
     evaluations: int,
     fresh: Collection[str] | None = None,
+    trust: float = 1.0,
 ) -> Trial:
     """Fit on from a trial; not judged yet.
 
     All derivatives are taken anew at each step, or only those by the parameters of the links
-    `fresh`. Where the model diverges beside a point a fit cannot go on: the trial stays as it is.
+    `fresh`. The nominal model counts `trust` times as a `Prior` has it. Where the model diverges
+    beside a point a fit cannot go on: the trial stays as it is.
     """
     problem = problem_of(evidence, trial.model, trial.free)
     z = problem.point(trial.model, trial.initial_hysteresis)
@@ -165,7 +168,7 @@ def fit_on(
             columns = np.zeros((len(problem.residuals(z)), len(z)), order="F")
             columns[:, kept] = problem.columns(z, kept)
             jacobian = _chord(problem, columns, anew)
-        squares, z = _descend(evidence, problem, z, jacobian, tolerance, evaluations)
+        squares, z = _descend(evidence, problem, z, jacobian, tolerance, evaluations, trust)
     except (ValueError, FloatingPointError, np.linalg.LinAlgError):
         return trial
     return trial_at(problem, z, squares)
@@ -266,6 +269,7 @@ def _descend(
     jacobian: Callable[[Array], Array],
     tolerance: float,
     evaluations: int,
+    trust: float = 1.0,
 ) -> tuple[float, Array]:
     """Least squares from a point: the sum of squares, m^2, and where.
 
@@ -275,7 +279,7 @@ def _descend(
     z = np.clip(z, low, high)
     left = problem.residuals(z)
     while True:
-        before, prior = float(left @ left), Prior(evidence.nominal, problem, left)
+        before, prior = float(left @ left), Prior(evidence.nominal, problem, trust * left)
         z, left, used = _solve(problem, prior, z, jacobian, tolerance, evaluations)
         evaluations -= used
         squares = float(left @ left)

@@ -66,8 +66,16 @@ def test_a_staircase_of_equal_steps_is_no_grid_as_the_readings_follow_the_model(
     readings = held + 15e-9 * rng.standard_normal(len(held))
     step = resolution(readings)
     assert step == pytest.approx(2e-6, rel=0.01)
-    assert refuted(step, 15e-9)
-    assert not refuted(STEP, rounding(STEP))
+    assert refuted(step, 15e-9, [readings])
+    assert not refuted(STEP, rounding(STEP), [rounded(loops())])
+
+
+def test_a_grid_that_every_reading_lies_on_stays_however_close_a_model_comes() -> None:
+    """At eight places a flexible model can follow the rounding; its grid is bowed, too."""
+    places = rounded(staircase(8))
+    bowed = places + 0.1 * STEP * np.sin(places / 3e-6)
+    assert not refuted(STEP, 0.1 * rounding(STEP), [places, bowed])
+    assert refuted(STEP, 0.1 * rounding(STEP), [places, staircase(8)])
 
 
 def test_a_grid_is_what_half_of_the_recordings_show() -> None:

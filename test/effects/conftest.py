@@ -82,7 +82,8 @@ def finely() -> Callable[[Model, Array, float], Array]:
 def alone() -> Callable[..., Array]:
     """One link by itself: what leaves at the end of each step, for what enters there.
 
-    `steps` are the durations of one period's steps, s. The link starts at rest at `level`.
+    `steps` are the durations of one period's steps, s. The link starts at rest at `level`. Values
+    left out are nominal.
     """
 
     def run(
@@ -98,7 +99,8 @@ def alone() -> Callable[..., Array]:
         link = link_named(link) if isinstance(link, str) else link
         levels = np.zeros(ROWS)
         levels[row] = level
-        prepared = link.prepare(values, Timing(sum(steps), steps, ramped), levels)
+        nominal = {parameter.name: parameter.nominal for parameter in link.parameters}
+        prepared = link.prepare({**nominal, **values}, Timing(sum(steps), steps, ramped), levels)
         bus = np.zeros((ROWS, len(signal)))
         bus[row] = signal
         link.kernel(prepared.coefficients, prepared.state, bus)

@@ -1,10 +1,11 @@
-"""Low-pass dynamics of the drive electronics, first or second order, without a resonance peak.
+"""Low-pass dynamics of the drive electronics, first to third order, without a resonance peak.
 
-    c T^2 u_s'' + T u_s' + u_s = u,        0 <= c <= 1/2
+    c t^2 w'' + t w' + w = u,   third T u_s' + u_s = w,   t = (1 - third) T,   0 <= c <= 1/2
 
-T is the lag behind a slow ramp. c tells the order: 0 is one lag, T; up to 1/4 it is two lags in a
-row that sum to T; at 1/2 the response is maximally flat, and beyond it would peak. Above 1/4 a step
-is overshot, by 4.3 % at most, which the hysteresis behind remembers however short T is.
+T is the lag behind a slow ramp. c tells the order: 0 is one lag, t; up to 1/4 it is two lags in a
+row that sum to t; at 1/2 the response is maximally flat, and beyond it would peak. Above 1/4 a step
+is overshot, by 4.3 % at most, which the hysteresis behind remembers however short T is. A further
+lag behind takes the share `third` of T: filters of third order and, nearly, of any higher one.
 
 The link comes last in the drive: what smooths is the output resistance into the stack's
 capacitance, behind the stage that clips and limits the current.
@@ -15,7 +16,8 @@ that costs is about 1 % of what the lag does to the displacement.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -33,38 +35,59 @@ FIRST_ORDER = 0.02  # of the curvature: what is below counts as first order
 
 def breaks(values: Values, sample_period: float) -> set[float]:
     """Ends of the chords that follow the approach after a jump, and the top of an overshoot."""
-    lag, c = values["lag"], values["curvature"]
+    lag, c = (1.0 - values["third"]) * values["lag"], values["curvature"]
     bends = {*BENDS, math.tau * c / math.sqrt(4.0 * c - 1.0)} if c > 0.25 else {*BENDS}
     return {lag * bend / sample_period for bend in bends if lag * bend < sample_period}
 
 
 @compiled
 def kernel(coefficients: Array, state: Array, bus: Array) -> None:
-    """State: output, its slope, input so far."""
-    y, v, old = state[0], state[1], state[2]
-    steps = coefficients.shape[0]
+    """State: w, its slope, input so far, and, if there is a third lag, output and its slope.
+
+    The coefficients' second half are those of the third lag.
+    """
+    w, v, old = state[0], state[1], state[2]
+    further = state.shape[0] > 3
+    steps = coefficients.shape[0] // 2 if further else coefficients.shape[0]
     for j in range(bus.shape[1]):
-        new = bus[VOLTAGE, j]
-        y, v = advance_lag(coefficients[j % steps], y, v, old, new)
+        new, before = bus[VOLTAGE, j], w
+        w, v = advance_lag(coefficients[j % steps], w, v, old, new)
         old = new
-        bus[VOLTAGE, j] = y
-    state[0], state[1], state[2] = y, v, old
+        if further:
+            state[3], state[4] = advance_lag(
+                coefficients[steps + j % steps], state[3], state[4], before, w
+            )
+        bus[VOLTAGE, j] = state[3] if further else w
+    state[0], state[1], state[2] = w, v, old
 
 
 def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     """The levels are left alone: the gain at rest is one."""
-    lag = values["lag"]
-    rows = lag_rows(lag, values["curvature"] * lag**2, timing)
-    return Prepared(rows, np.array([levels[VOLTAGE], 0.0, levels[VOLTAGE]]), ramped=True)
+    third = values["third"] * values["lag"]
+    lag, level = values["lag"] - third, levels[VOLTAGE]
+    rows, state = lag_rows(lag, values["curvature"] * lag**2, timing), [level, 0.0, level]
+    if third > 0.0:
+        rows = np.vstack([rows, lag_rows(third, 0.0, replace(timing, ramped=True))])
+        state += [level, 0.0]
+    return Prepared(rows, np.array(state), ramped=True)
+
+
+def idle(values: Values) -> Collection[str]:
+    """A lag of first or second order stays one: the third is told from these by shape alone."""
+    return ("third",) if values["third"] == 0.0 else ()
 
 
 def starts(scales: Scales) -> Sequence[Values]:
-    """From a lag that just shows to a slow amplifier."""
-    return [{"lag": samples * scales.sample_period} for samples in (0.5, 1.5, 5.0, 15.0, 50.0)]
+    """From a lag that just shows to a slow amplifier; and of third order, three equal lags."""
+    lags = [samples * scales.sample_period for samples in (0.5, 1.5, 5.0, 15.0, 50.0)]
+    equal = {"curvature": 1 / 4, "third": 1 / 3}
+    return [*({"lag": lag} for lag in lags), *({"lag": lag, **equal} for lag in lags[1:])]
 
 
 def says(values: Values, scales: Scales) -> str:
     order = "first" if values["curvature"] < FIRST_ORDER else "second"
+    if values["third"] > 0.0:
+        order = "third"
     late = quantity(values["lag"], "s")
     return f"the amplifier lags: it follows a ramp of the voltage {late} late ({order} order)"
 
@@ -78,10 +101,12 @@ LINK = Link(
     parameters=(
         Parameter("lag", "s", 5e-4, 0.0, 1.0, "delay behind a slow ramp", 0.0),
         Parameter("curvature", "1", 0.1, 0.0, 0.5, "0 first order, 1/4 two equal lags, 1/2 flat"),
+        Parameter("third", "1", 0.0, 0.0, 0.5, "share of a further lag; 0 is none of third order"),
     ),
     prepare=prepare,
     kernel=kernel,
     breaks=breaks,
+    idle=idle,
     starts=starts,
     says=says,
 )

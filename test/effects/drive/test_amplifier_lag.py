@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.signal import cont2discrete, lfilter
+from scipy.signal import step as step_response
 
 from microgripper_control.core.signals import Array
 from microgripper_control.plant.model import Model
@@ -55,6 +56,21 @@ def test_any_input_is_followed_exactly(alone: Alone, c: float, ramped: bool, met
         np.testing.assert_allclose(out, expected, rtol=0.0, atol=1e-9)
     else:
         np.testing.assert_allclose(out[:-1], expected[1:], rtol=0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize(("c", "third"), [(0.25, 1 / 3), (0.5, 0.2)])
+def test_a_third_lag_stands_behind_the_others(alone: Alone, c: float, third: float) -> None:
+    """Against scipy's step response of the product of both transfer functions."""
+    rest = (1.0 - third) * LAG
+    system = ([1.0], np.polymul([c * rest**2, rest, 1.0], [third * LAG, 1.0]))
+    t = 2e-5 * np.arange(1001)
+    expected = step_response(system, T=t)[1][1:]
+    values = {"lag": LAG, "curvature": c, "third": third}
+    np.testing.assert_allclose(
+        alone("amplifier_lag", values, np.ones(1000), (2e-5,)), expected, atol=3e-5
+    )
+    ramp = alone("amplifier_lag", values, 500.0 * t[1:], (2e-5,), ramped=True)
+    np.testing.assert_allclose(ramp[-10:], 500.0 * (t[-10:] - LAG), atol=2e-3)
 
 
 @every_order
