@@ -18,11 +18,12 @@ from microgripper_control.diagnosis.noise import removable
 from microgripper_control.diagnosis.part import PART, any_dear, on_a_part, refined
 from microgripper_control.diagnosis.pool import Pool
 from microgripper_control.diagnosis.schedule import side_by_side
-from microgripper_control.diagnosis.screening import guesses
+from microgripper_control.diagnosis.screening import Guess, guesses
 from microgripper_control.diagnosis.trial import (
     Base,
     Trial,
     base_of,
+    begun,
     extend,
     fit_on,
     judged,
@@ -281,7 +282,7 @@ def _attempt(
         return _behind(evidence, bases[0].trial, name), ""
     part, anchors = on_a_part(evidence, bases, name, most)
     starts = guesses(part, anchors, name, STARTS)
-    fits = [extend(part, start.base, start.model, [name]) for start in starts]
+    fits = [_fit_from(part, start, name) for start in starts]
     found = [fit for fit in fits if fit is not None and np.isfinite(fit.fitted_rmse)]
     if not found:
         return None, "no start could be fitted"
@@ -295,3 +296,10 @@ def _attempt(
                 whole = fit_on(evidence, whole, ROUGH, SETTLING_IN, fresh=())
             return judged(evidence, whole), ""
     return None, "diverges where it was not fitted"
+
+
+def _fit_from(evidence: Evidence, guess: Guess, name: str) -> Trial | None:
+    """Fit from a first guess; where each sample is dear, with few derivatives fresh."""
+    if any_dear((name, *guess.base.trial.effects)):
+        return extend(evidence, guess.base, guess.model, [name])
+    return fit_on(evidence, begun(guess.base, guess.model, [name]), ROUGH, 20)

@@ -48,15 +48,13 @@ def on_a_part(
 
 
 def refined(evidence: Evidence, trial: Trial, tolerance: float, evaluations: int) -> Trial:
-    """Fit on and judge what comes out; with a force with fewer derivatives, a dear one in rounds.
+    """Fit on and judge what comes out; with a dear force in rounds, with fewer derivatives.
 
     Those by the base parameters are taken once, or once a round. A dear force by itself, and few
     samples, are fitted to the end: it bends while it is fitted, and gets there late.
     """
-    if not any(registry()[name].force for name in trial.effects):
-        return refine(evidence, trial, tolerance, evaluations)
     if not any_dear(trial.effects):
-        return refine(evidence, trial, tolerance, evaluations, fresh=trial.effects)
+        return refine(evidence, trial, tolerance, evaluations)
     few = sum(len(recording) for recording in evidence.fitted) <= MANY
     effort = TO_THE_END if few and len(trial.effects) == 1 else ENOUGH
     for _ in range(ROUNDS):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from microgripper_control.diagnosis.evidence import Evidence
@@ -22,6 +24,7 @@ from microgripper_control.identification.start import GRID_KEYS, better_start
 from microgripper_control.plant.model import Key, Model
 
 FAR_OFF = 0.01  # of the stroke: a refit that leaves more may have gone astray
+OTHER_STARTS = (-0.4, 0.4)  # of the largest h
 HARDLY = 1e-6  # of the trust in the nominal model: a fit goes where the recordings send it
 
 
@@ -33,14 +36,19 @@ def nominal_trial(evidence: Evidence, model: Model) -> Trial:
 def refit_trial(evidence: Evidence, nominal: Trial) -> Trial:
     """Its own parameters fitted: from where they are and, if that ends badly, from a coarse grid.
 
-    What the nominal model leaves makes its own parameters weigh much at first, which may lead the
-    hysteresis before a recording astray: so they are also fitted without that weight, then with it,
-    and what foretells the recordings better is taken. Mass and damping join in where the recordings
-    show them.
+    What the nominal model leaves makes its own parameters weigh much at first, and the h that it
+    would have before a recording may lead astray: so they are also fitted without that weight and
+    from other h, then with it, and what foretells the recordings best is taken. Mass and damping
+    join in where the recordings show them.
     """
-    found = refine(evidence, nominal)
-    free = refine(evidence, fit_on(evidence, nominal, FINE, 40, trust=HARDLY))
-    found = min(found, free, key=lambda trial: trial.both)
+    problem = problem_of(evidence, nominal.model, nominal.free)
+    others = [
+        replace(nominal, initial_hysteresis=tuple(share * problem.hysteresis_scales))
+        for share in OTHER_STARTS
+        if len(problem.hysteresis_scales)
+    ]
+    free = [fit_on(evidence, one, FINE, 40, trust=HARDLY) for one in (nominal, *others)]
+    found = min((refine(evidence, one) for one in (nominal, *free)), key=lambda trial: trial.both)
     if found.fitted_rmse > FAR_OFF * evidence.scales.stroke and set(GRID_KEYS) <= set(found.free):
         problem = problem_of(evidence, nominal.model, nominal.free)
         model, initial = better_start(problem, nominal.initial_hysteresis)

@@ -3,9 +3,9 @@
 Every explanation, the nominal model's too, has its base parameters refitted with it: otherwise a
 mistuned alpha would be blamed on whatever effect resembles it.
 
-A gap is small against the stroke, so the derivatives by the base parameters hardly change when an
-effect is added. They are taken once, at the refit, and kept while an effect is fitted (the chord
-method); only the explanation that is finally chosen is polished with all derivatives fresh.
+A gap is small against the stroke, so the derivatives by the base parameters change little when an
+effect is added. Where each sample is dear they are taken once, at the refit, and kept while an effect
+is fitted (the chord method). Elsewhere all are fresh: a strong effect is not found without.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from microgripper_control.core.signals import Array
+from microgripper_control.diagnosis.descent import descend
 from microgripper_control.diagnosis.evidence import Evidence, rms
 from microgripper_control.diagnosis.noise import innovation
 from microgripper_control.diagnosis.prior import Prior
@@ -187,16 +187,25 @@ def moved(evidence: Evidence, trial: Trial) -> Trial:
     return replace(trial, initial_hysteresis=starting_hysteresis(evidence, trial.model))
 
 
-def extend(evidence: Evidence, base: Base, model: Model, added: Sequence[str]) -> Trial | None:
-    """Fit `model`, the base's with the links `added`; not judged yet, None if that fails."""
+def begun(base: Base, model: Model, added: Sequence[str]) -> Trial:
+    """Where a fit of `model`, the base's with the links `added`, begins; not fitted, nor judged."""
     kept = base.trial.free
     new = tuple(key for key in fitted_keys(model, added) if key not in kept)
-    problem = problem_of(evidence, model, (*kept, *new))
-    z = problem.point(model, base.trial.initial_hysteresis)
-    if len(z) != base.jacobian.shape[1] + len(new):
+    return Trial(model, (*kept, *new), base.trial.initial_hysteresis, math.inf)
+
+
+def extend(evidence: Evidence, base: Base, model: Model, added: Sequence[str]) -> Trial | None:
+    """Fit `model` by the chord method: the base's derivatives stay, those of `added` are fresh.
+
+    Not judged yet; None if that fails.
+    """
+    start = begun(base, model, added)
+    problem = problem_of(evidence, model, start.free)
+    z = problem.point(model, start.initial_hysteresis)
+    count, size = len(base.trial.free), len(problem.free)
+    if len(z) != base.jacobian.shape[1] + size - count:
         return None
     scales = np.append(problem.scales, problem.hysteresis_scales)
-    count, size = len(kept), len(problem.free)
     columns = np.zeros((base.jacobian.shape[0], len(z)), order="F")
     columns[:, :count] = base.jacobian[:, :count] * (scales[:count] / base.scales[:count])
     columns[:, size:] = base.jacobian[:, count:] * (scales[size:] / base.scales[count:])
@@ -275,8 +284,7 @@ def _descend(
 
     The prior is weighed by what is left; where that falls by much, it is weighed again.
     """
-    low, high = problem.bounds
-    z = np.clip(z, low, high)
+    z = np.clip(z, *problem.bounds)
     left = problem.residuals(z)
     while True:
         before, prior = float(left @ left), Prior(evidence.nominal, problem, trust * left)
@@ -296,18 +304,13 @@ def _solve(
     evaluations: int,
 ) -> tuple[Array, Array, int]:
     """Where least squares with a prior end, the residual there, m, and the evaluations it took."""
-    unit = 1e9  # nm: squares of metres are lost beside the solver's own tolerances
-    best = least_squares(
-        lambda z: unit * np.append(problem.residuals(z), prior.rows(z)),
+    found, left, used = descend(
+        lambda z: np.append(problem.residuals(z), prior.rows(z)),
+        lambda z: np.vstack([jacobian(z), prior.jacobian(z)]),
         z,
-        jac=lambda z: unit * np.vstack([jacobian(z), prior.jacobian(z)]),
-        bounds=problem.bounds,
-        method="trf",
-        x_scale="jac",
-        ftol=tolerance,
-        xtol=tolerance,
-        gtol=None,
-        max_nfev=evaluations,
+        problem.bounds,
+        tolerance,
+        evaluations,
     )
     samples = sum(int(np.count_nonzero(mask)) for mask in problem.masks)
-    return np.asarray(best.x), best.fun[:samples] / unit, int(best.nfev)
+    return found, left[:samples], used

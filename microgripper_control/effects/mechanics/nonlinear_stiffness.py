@@ -1,10 +1,12 @@
 """Stiffness of flexure and stack that changes with displacement.
 
-    F = -quadratic x^2 - cubic x^3
+    F = -quadratic x^2 - cubic x^3 / (1 + levelling x^2)         levelling >= 0
+    F = -quadratic x^2 - cubic x^3 (1 - levelling x^2)           levelling < 0
 
 The next two terms of the restoring force after (k + k_s) x: the quadratic one for a flexure that is
 not symmetric about x = 0, the cubic one for stretching (positive, it stiffens) or buckling
-(negative, it softens).
+(negative, it softens). A leaf that is stretched far pulls like a string in the end: the cubic term
+levels off to a straight one. Where levelling is negative it steepens instead.
 """
 
 from collections.abc import Sequence
@@ -20,12 +22,14 @@ from microgripper_control.effects.base import Force, Link, Scales, Stage, Values
 def law(
     c: Array, before: Array, after: Array, x0: float, x1: float, v: float, step: float
 ) -> float:
-    force: float = -(c[0] + c[1] * x1) * x1 * x1
+    square = x1 * x1
+    cubic = c[1] * x1 / (1.0 + c[2] * square) if c[2] > 0.0 else c[1] * x1 * (1.0 - c[2] * square)
+    force: float = -(c[0] + cubic) * square
     return force
 
 
 def coefficients(values: Values) -> Sequence[float]:
-    return values["quadratic"], values["cubic"]
+    return values["quadratic"], values["cubic"], values["levelling"]
 
 
 def stiffness(values: Values) -> float:
@@ -34,11 +38,19 @@ def stiffness(values: Values) -> float:
 
 
 def starts(scales: Scales) -> Sequence[Values]:
-    """Each term by itself, a twentieth of the stiffness over the stroke."""
-    share = 0.05 * scales.stiffness
+    """Each term by itself, a twentieth of the stiffness over the stroke; a strong one that levels.
+
+    Far from straight, the plant without it is no guide: the strong ones begin at the nominal one.
+    """
+    k, stroke = scales.stiffness, scales.stroke
+    cubic = {"quadratic": 0.0, "cubic": k / stroke**2, "levelling": 0.0}
     return [
-        {"quadratic": share / scales.stroke, "cubic": 0.0},
-        {"quadratic": 0.0, "cubic": share / scales.stroke**2},
+        {"quadratic": 0.05 * k / stroke, "cubic": 0.0, "levelling": 0.0},
+        {**cubic, "cubic": 0.05 * cubic["cubic"]},
+        *(
+            {**cubic, "cubic": share * cubic["cubic"], "levelling": 1.5 / stroke**2}
+            for share in (0.3, 1.0, 3.0)
+        ),
     ]
 
 
@@ -61,6 +73,9 @@ LINK = Link(
     parameters=(
         Parameter("quadratic", "N/m^2", 5e10, -1e20, 1e20, "of the restoring force in x^2", 0.0),
         Parameter("cubic", "N/m^3", 2.5e15, -1e26, 1e26, "of the restoring force in x^3", 0.0),
+        Parameter(
+            "levelling", "1/m^2", 1e10, -1e20, 1e20, "of the cubic; below 0 it steepens", 0.0
+        ),
     ),
     starts=starts,
     says=says,
