@@ -49,7 +49,8 @@ def descend(
         uphill = slopes.T @ left
         free = (sizes > 0.0) & ~(((z <= low) & (uphill > 0.0)) | ((z >= high) & (uphill < 0.0)))
         count = int(np.count_nonzero(free))
-        triangle = np.linalg.qr(np.column_stack([slopes[:, free] / sizes[free], left]), mode="r")
+        table = np.column_stack([slopes[:, free] / sizes[free], left])
+        triangle = np.asarray(np.linalg.qr(table, mode="r"))
         factor, rotated = triangle[:count, :count], triangle[:count, count]
         gained = 0.0
         while used < evaluations and damping < MOST_DAMPING:

@@ -4,8 +4,8 @@ Every explanation, the nominal model's too, has its base parameters refitted wit
 mistuned alpha would be blamed on whatever effect resembles it.
 
 A gap is small against the stroke, so the derivatives by the base parameters change little when an
-effect is added. Where each sample is dear they are taken once, at the refit, and kept while an effect
-is fitted (the chord method). Elsewhere all are fresh: a strong effect is not found without.
+effect is added. Where each sample is dear they are taken once, at the refit, and kept while an
+effect is fitted (the chord method). Elsewhere all are fresh: a strong effect is not found without.
 """
 
 from __future__ import annotations
