@@ -49,6 +49,8 @@ FEW = 2  # and no more than so many of these, if they have helped at all by then
 LEADERS = 4  # explanations by one effect that are fitted again on settled evidence
 GLANCE = 6000  # samples on which it is seen what a dear force promises
 SETTLING_IN = 5  # steps with the same derivatives, from a part of the samples to all of them
+STEPS = 20  # of a fit from a first guess, at most
+DEAR_STEPS = 8  # where each sample is dear: first with the base's derivatives kept, then all fresh
 ROUGH, POLISHED = 1e-3, 1e-5  # tolerances
 
 Progress = Callable[[str, int, int], None]  # what is being tried, how many are done, of how many
@@ -240,7 +242,7 @@ def _going_on(best: Sequence[Trial], least: float, near: float) -> list[Trial]:
 
 def polish(evidence: Evidence, trial: Trial) -> Trial:
     """Fit on with fresh derivatives."""
-    return refined(evidence, trial, ROUGH, 20)
+    return refined(evidence, trial, ROUGH, STEPS)
 
 
 def _promise(evidence: Evidence, bases: Sequence[Base], name: str) -> tuple[str, float]:
@@ -287,6 +289,8 @@ def _attempt(
     if not found:
         return None, "no start could be fitted"
     found.sort(key=lambda trial: trial.fitted_rmse)
+    if any_dear([name]) and not anchors[0].trial.effects:
+        found[0] = fit_on(part, found[0], ROUGH, DEAR_STEPS)
     if part is evidence:
         return judged(evidence, found[0]), ""
     for fit in found:  # what fits a part may diverge elsewhere
@@ -302,4 +306,4 @@ def _fit_from(evidence: Evidence, guess: Guess, name: str) -> Trial | None:
     """Fit from a first guess; where each sample is dear, with few derivatives fresh."""
     if any_dear((name, *guess.base.trial.effects)):
         return extend(evidence, guess.base, guess.model, [name])
-    return fit_on(evidence, begun(guess.base, guess.model, [name]), ROUGH, 20)
+    return fit_on(evidence, begun(guess.base, guess.model, [name]), ROUGH, STEPS)
