@@ -15,7 +15,14 @@ from microgripper_control.core.quantities import quantity
 from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.grid import refuted
 from microgripper_control.diagnosis.noise import removable
-from microgripper_control.diagnosis.part import PART, any_dear, on_a_part, refined
+from microgripper_control.diagnosis.part import (
+    GLANCE,
+    PART,
+    any_dear,
+    is_force,
+    on_a_part,
+    refined,
+)
 from microgripper_control.diagnosis.pool import Pool
 from microgripper_control.diagnosis.schedule import side_by_side
 from microgripper_control.diagnosis.screening import Guess, guesses
@@ -47,9 +54,8 @@ NEAR = 3.0  # times what the best leaves: what leaves less is fitted on, all der
 NEAR_IF_JOINED = 1.5  # but not so far off if it joins another and each sample is dear,
 FEW = 2  # and no more than so many of these, if they have helped at all by then
 LEADERS = 4  # explanations by one effect that are fitted again on settled evidence
-GLANCE = 6000  # samples on which it is seen what a dear force promises
 SETTLING_IN = 5  # steps with the same derivatives, from a part of the samples to all of them
-STEPS = 20  # of a fit from a first guess, at most
+STEPS = 12  # of a fit from a first guess, at most
 DEAR_STEPS = 8  # where each sample is dear: first with the base's derivatives kept, then all fresh
 ROUGH, POLISHED = 1e-3, 1e-5  # tolerances
 
@@ -73,8 +79,10 @@ def explore(
     names = [name for name in candidates if name not in pool.own]
     fitted = [name for name in names if not registry()[name].read_off]
     bases = [base_of(evidence, refit), base_of(evidence, nominal)]
+    # From cheap to dear: a look is enough at what costs more and has nothing left to explain.
+    cheap = [name for name in names if not is_force(name)]
     dear = [name for name in names if any_dear([name])]
-    for some in ([name for name in names if name not in dear], dear):
+    for some in (cheap, [name for name in names if name not in (*cheap, *dear)], dear):
         for trial in _round(evidence, bases, some, len(some), pool, progress, jobs):
             pool.add(trial)
     pool = _settled(pool)

@@ -31,6 +31,7 @@ class Effort(NamedTuple):
 
 
 PART = 15_000  # samples that are fitted then
+GLANCE = 6000  # samples on which it is seen what a force promises
 MANY = 40_000  # samples
 TO_THE_END, ENOUGH = Effort(1e-5, 20, 0.99), Effort(1e-3, 8, 0.9)
 ROUNDS = 3
@@ -39,9 +40,13 @@ ROUNDS = 3
 def on_a_part(
     evidence: Evidence, bases: Sequence[Base], name: str, most: int
 ) -> tuple[Evidence, Sequence[Base]]:
-    """What to try an effect on and the bases there: with a dear force, about `most` samples."""
-    dear = any_dear((name, *bases[0].trial.effects))
-    part = evidence.pieces(most) if dear else evidence
+    """What to try an effect on and the bases there: with a dear force, about `most` samples.
+
+    For a glance that goes for any force.
+    """
+    together = (name, *bases[0].trial.effects)
+    less = any_dear(together) or (most <= GLANCE and is_force(name))
+    part = evidence.pieces(most) if less else evidence
     if part is evidence:
         return evidence, bases
     return part, [base_of(part, moved(part, base.trial)) for base in bases]
@@ -63,6 +68,11 @@ def refined(evidence: Evidence, trial: Trial, tolerance: float, evaluations: int
         if trial.fitted_rmse > effort.worth_another * before:
             break
     return judged_once(evidence, trial)
+
+
+def is_force(effect: str) -> bool:
+    """Whether an effect is a force, which is balanced within each sample."""
+    return registry()[effect].force is not None
 
 
 def any_dear(effects: Iterable[str]) -> bool:
