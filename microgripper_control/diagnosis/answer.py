@@ -30,7 +30,7 @@ from microgripper_control.plant.model import Model, Setting
 Weighed = Mapping[Explanation, float]
 ANSWERS = {NOTHING: NONE, MISTUNED: PARAMETERS, OUTSIDE: UNKNOWN}
 RIVAL = 0.15  # of the chosen explanation's probability: as good for all we know,
-ALIKE = 1.1  # times what it leaves: what leaves more, these recordings tell apart from it
+ALIKE = 0.5  # of the noise floor, beyond what it leaves: more than that these recordings tell apart
 MOST_RIVALS = 4
 AT_BOUND = 1e-3  # of the range
 
@@ -159,6 +159,7 @@ def ambiguous(weighed: Weighed, pool: Pool) -> tuple[tuple[str, ...], ...]:
             continue
         ours, theirs = best - other, other - best
         left = explained(other, pool.tried[other], pool)
-        if len(ours) == 1 and left.both <= ALIKE * least.both:
+        beyond = removable(left.both, least.both)
+        if len(ours) == 1 and beyond <= ALIKE * pool.noise_floor:
             groups.setdefault(next(iter(ours)), set()).update(theirs)
     return tuple((name, *sorted(rest)) for name, rest in sorted(groups.items()))

@@ -18,7 +18,8 @@ from microgripper_control.diagnosis.noise import removable
 from microgripper_control.diagnosis.part import (
     GLANCE,
     PART,
-    any_dear,
+    is_dear,
+    is_dear_with,
     is_force,
     on_a_part,
     refined,
@@ -46,7 +47,8 @@ BEAM = 2  # explanations that a further effect is added to
 SECONDS, SECONDS_IF_DEAR = 5, 3  # further effects that are fitted, the most promising,
 RUNNERS_UP = 2  # among them those that explain most by themselves
 UNEXPLAINED = 0.3  # of the noise floor: a structured rest above it asks for another effect,
-UNCLOSED = 0.1  # if it is more of the gap than a law leaves that is right but not the rig's own
+UNCLOSED = 0.1  # if it is more of the gap than a law leaves that is right but not the rig's own,
+UNCLOSED_IF_DEAR = 0.25  # and more than that beside a dear force, where it takes a minute
 FAIR_PART = 0.2  # of the gap; two independent effects of one size close 0.3 of it each
 RIVAL = 0.7  # of what the best closes: what the second must close to be a leader as well,
 RIVAL_IF_DEAR = 0.9  # and what it must with a force that remembers the way
@@ -81,7 +83,7 @@ def explore(
     bases = [base_of(evidence, refit), base_of(evidence, nominal)]
     # From cheap to dear: a look is enough at what costs more and has nothing left to explain.
     cheap = [name for name in names if not is_force(name)]
-    dear = [name for name in names if any_dear([name])]
+    dear = [name for name in names if is_dear_with(evidence, refit, name)]
     for some in (cheap, [name for name in names if name not in (*cheap, *dear)], dear):
         for trial in _round(evidence, bases, some, len(some), pool, progress, jobs):
             pool.add(trial)
@@ -91,18 +93,21 @@ def explore(
         best = pool.best(size, 1)
         if not best or not _unexplained(best, pool) or not _worth_it(pool, size):
             break
-        if size > 1 and any_dear(best[0].effects):
+        if size > 1 and is_dear(evidence, best[0].model):
             break  # a third effect beside such a force would take minutes
         for leader in pool.best(size, BEAM):
-            near = RIVAL_IF_DEAR if any_dear(leader.effects) else RIVAL
+            costly = is_dear(evidence, leader.model)
+            near = RIVAL_IF_DEAR if costly else RIVAL
             follower = _closed(leader, pool) < near * _closed(best[0], pool)
+            if costly and 1.0 - _closed(leader, pool) < UNCLOSED_IF_DEAR:
+                continue
             if follower or not _unexplained(pool.best(size + 1, 1) or best, pool):
                 continue
             leader = refined(evidence, leader, POLISHED, 60)
             pool.add(leader)
-            rest = _joining(leader, fitted)
+            rest = _joining(evidence, leader, fitted)
             bases = [base_of(evidence, leader)]
-            most = SECONDS_IF_DEAR if any_dear(leader.effects) else SECONDS
+            most = SECONDS_IF_DEAR if costly else SECONDS
             for trial in _round(evidence, bases, rest, most, pool, progress, jobs):
                 pool.add(trial)
     _check_backwards(evidence, pool)
@@ -134,10 +139,12 @@ def _settled(pool: Pool) -> Pool:
     return min(pool, settled, key=lambda one: min(t.rmse for t in (one.refit, *one.tried.values())))
 
 
-def _joining(leader: Trial, names: Sequence[str]) -> list[str]:
-    """The effects that may join a leader; such a force may not be the third."""
-    second = len(leader.effects) < 2
-    return [n for n in names if n not in leader.effects and (second or not any_dear([n]))]
+def _joining(evidence: Evidence, leader: Trial, names: Sequence[str]) -> list[str]:
+    """The effects that may join a leader; a dear force may not be the third."""
+    others = [name for name in names if name not in leader.effects]
+    if len(leader.effects) < 2:
+        return others
+    return [name for name in others if not is_dear_with(evidence, leader, name)]
 
 
 def _unexplained(best: Sequence[Trial], pool: Pool) -> bool:
@@ -227,7 +234,9 @@ def _round(
     fits += [trial for trial in pool.tried.values() if len(trial.free) > len(before.free)]
     least = min(trial.fitted_rmse for trial in fits)
     near = min(near * least, before.fitted_rmse)
-    yield from side_by_side(polish, [(evidence, t) for t in _going_on(best, least, near)], jobs)
+    yield from side_by_side(
+        polish, [(evidence, t) for t in _going_on(evidence, best, least, near)], jobs
+    )
 
 
 def _promising(
@@ -241,11 +250,12 @@ def _promising(
     return sorted(left, key=lambda name: (name not in strong, left[name]))
 
 
-def _going_on(best: Sequence[Trial], least: float, near: float) -> list[Trial]:
+def _going_on(evidence: Evidence, best: Sequence[Trial], least: float, near: float) -> list[Trial]:
     """Those that leave no more than a few times the least, and dear ones that leave `near`, m."""
-    cheap = [t for t in best if not any_dear(t.effects) and t.fitted_rmse < NEAR * least]
-    dear = [t for t in best if any_dear(t.effects) and t.fitted_rmse < near]
-    return [*cheap, *dear[:FEW]]
+    costs = [is_dear(evidence, trial.model) for trial in best]
+    cheap = [t for t, dear in zip(best, costs, strict=True) if not dear]
+    dear = [t for t, dear in zip(best, costs, strict=True) if dear and t.fitted_rmse < near]
+    return [*(t for t in cheap if t.fitted_rmse < NEAR * least), *dear[:FEW]]
 
 
 def polish(evidence: Evidence, trial: Trial) -> Trial:
@@ -297,7 +307,7 @@ def _attempt(
     if not found:
         return None, "no start could be fitted"
     found.sort(key=lambda trial: trial.fitted_rmse)
-    if any_dear([name]) and not anchors[0].trial.effects:
+    if is_dear(part, found[0].model) and not anchors[0].trial.effects:
         found[0] = fit_on(part, found[0], ROUGH, DEAR_STEPS)
     if part is evidence:
         return judged(evidence, found[0]), ""
@@ -312,6 +322,6 @@ def _attempt(
 
 def _fit_from(evidence: Evidence, guess: Guess, name: str) -> Trial | None:
     """Fit from a first guess; where each sample is dear, with few derivatives fresh."""
-    if any_dear((name, *guess.base.trial.effects)):
+    if is_dear(evidence, guess.model):
         return extend(evidence, guess.base, guess.model, [name])
     return fit_on(evidence, begun(guess.base, guess.model, [name]), ROUGH, STEPS)

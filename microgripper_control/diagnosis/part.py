@@ -1,14 +1,17 @@
 """Less to look at where each sample is dear.
 
-A force that remembers the way is balanced several times a sample. It knows the way and not the
-time, so stretches of the recordings show enough of it to begin with.
+A force is balanced within each sample, many times where the mass rings or the way counts. It knows
+place and way and not the time, so stretches of the recordings show enough of it to begin with.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
+import numpy as np
+
+from microgripper_control.core.signals import ROWS
 from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.trial import (
     Base,
@@ -20,6 +23,9 @@ from microgripper_control.diagnosis.trial import (
     refine,
 )
 from microgripper_control.effects.registry import registry
+from microgripper_control.plant.chain import Chain
+from microgripper_control.plant.model import Model
+from microgripper_control.plant.simulate import Hold
 
 
 class Effort(NamedTuple):
@@ -33,6 +39,7 @@ class Effort(NamedTuple):
 PART = 15_000  # samples that are fitted then
 GLANCE = 6000  # samples on which it is seen what a force promises
 MANY = 40_000  # samples
+MANY_ROWS = 10  # of coefficients a sample: by place, and at rest at its end, a force takes five
 TO_THE_END, ENOUGH = Effort(1e-5, 20, 0.99), Effort(1e-3, 8, 0.9)
 ROUNDS = 3
 
@@ -44,8 +51,7 @@ def on_a_part(
 
     For a glance that goes for any force.
     """
-    together = (name, *bases[0].trial.effects)
-    less = any_dear(together) or (most <= GLANCE and is_force(name))
+    less = is_dear_with(evidence, bases[0].trial, name) or (most <= GLANCE and is_force(name))
     part = evidence.pieces(most) if less else evidence
     if part is evidence:
         return evidence, bases
@@ -58,7 +64,7 @@ def refined(evidence: Evidence, trial: Trial, tolerance: float, evaluations: int
     Those by the base parameters are taken once, or once a round. A dear force by itself, and few
     samples, are fitted to the end: it bends while it is fitted, and gets there late.
     """
-    if not any_dear(trial.effects):
+    if not is_dear(evidence, trial.model):
         return refine(evidence, trial, tolerance, evaluations)
     few = sum(len(recording) for recording in evidence.fitted) <= MANY
     effort = TO_THE_END if few and len(trial.effects) == 1 else ENOUGH
@@ -75,7 +81,16 @@ def is_force(effect: str) -> bool:
     return registry()[effect].force is not None
 
 
-def any_dear(effects: Iterable[str]) -> bool:
-    """Whether a force that remembers the way is among some effects."""
-    forces = [registry()[name].force for name in effects]
-    return any(force is not None and force.states > 0 for force in forces)
+def is_dear(evidence: Evidence, model: Model) -> bool:
+    """Whether a model has forces that are balanced many times in each sample."""
+    if not any(is_force(name) for name in model.effects):
+        return False
+    ramped = evidence.conditions.hold is not Hold.ZERO
+    chain = Chain(model, evidence.scales.sample_period, np.zeros(ROWS), ramped=ramped)
+    return chain.labour > MANY_ROWS
+
+
+def is_dear_with(evidence: Evidence, trial: Trial, effect: str) -> bool:
+    """The same of a trial's model with one more effect, at its first start."""
+    starts = registry()[effect].starts(evidence.scales)
+    return bool(starts) and is_dear(evidence, trial.model.with_link(effect, **starts[0]))

@@ -55,6 +55,11 @@ class Chain:
         """Internal steps in one sample period."""
         return len(self.timing.steps)
 
+    @property
+    def labour(self) -> int:
+        """Rows of coefficients that a sample period takes, roughly what it costs."""
+        return sum(len(coefficients) for _, coefficients, _ in self._continuous)
+
     def advance(self, bus: Array) -> None:
         """Run the links that act between samples; `bus` holds whole sample periods."""
         for kernel, coefficients, state in self._continuous:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -131,7 +132,9 @@ def test_a_grid_is_dropped_if_an_explanation_follows_the_readings_more_closely(
     """Steps of 200 nm leave 58 nm rms, whatever the model."""
     model = nominal_model()
     grid = frozenset(["sensor_quantization"])
-    pool = Pool(None, trial(model, 90.0), trial(model, 90.0))  # type: ignore[arg-type]
+    noisy = SimpleNamespace(measured=np.random.default_rng(4).standard_normal(2000))
+    seen = SimpleNamespace(fitted=[noisy])
+    pool = Pool(seen, trial(model, 90.0), trial(model, 90.0))  # type: ignore[arg-type]
     pool.tried[grid] = trial(model.with_link("sensor_quantization", resolution=200.0 * NM), 95.0)
     pool.tried[CREEP] = trial(model.with_link("creep"), error)
     pool.drop_refuted_grid()
