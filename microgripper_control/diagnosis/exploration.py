@@ -310,7 +310,7 @@ def _attempt(
     if is_dear(part, found[0].model) and not anchors[0].trial.effects:
         found[0] = fit_on(part, found[0], ROUGH, DEAR_STEPS)
     if part is evidence:
-        return judged(evidence, found[0]), ""
+        return min((judged(evidence, fit) for fit in found), key=lambda trial: trial.both), ""
     for fit in found:  # what fits a part may diverge elsewhere
         whole = unfitted(evidence, moved(evidence, fit))
         if np.isfinite(whole.fitted_rmse):
@@ -321,7 +321,11 @@ def _attempt(
 
 
 def _fit_from(evidence: Evidence, guess: Guess, name: str) -> Trial | None:
-    """Fit from a first guess; where each sample is dear, with few derivatives fresh."""
+    """Fit from a first guess: with few derivatives fresh, then, where no sample is dear, with all.
+
+    All at once from the guess would often lead astray, few of them alone far too little.
+    """
+    fit = extend(evidence, guess.base, guess.model, [name])
     if is_dear(evidence, guess.model):
-        return extend(evidence, guess.base, guess.model, [name])
-    return fit_on(evidence, begun(guess.base, guess.model, [name]), ROUGH, STEPS)
+        return fit
+    return fit_on(evidence, fit or begun(guess.base, guess.model, [name]), ROUGH, STEPS)

@@ -52,7 +52,7 @@ class Pool:
             self._failed(effects, f"{before} would have to do most of it")
             return
         known = self.tried.get(effects)
-        if effects and (known is None or trial.fitted_rmse < known.fitted_rmse):
+        if effects and (known is None or trial.both < known.both):
             self.tried[effects] = trial
 
     def drop_refuted_grid(self) -> None:

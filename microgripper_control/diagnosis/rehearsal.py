@@ -199,8 +199,8 @@ def _moved(model: Model, key: Key) -> Model:
 
 def _orthonormal(columns: Sequence[Array], without: Array | None = None) -> Array:
     """A basis of what the columns span, shape (n, p), beyond what `without` spans."""
-    usable = [column for column in columns if np.all(np.isfinite(column)) and np.any(column)]
-    scaled = [column / np.linalg.norm(column) for column in usable]
+    sizes = [float(np.linalg.norm(column)) for column in columns]
+    scaled = [c / size for c, size in zip(columns, sizes, strict=True) if 0.0 < size < np.inf]
     block = np.reshape(scaled, (len(scaled), -1)).T if scaled else np.zeros((len(columns[0]), 0))
     if without is not None:
         block = _off(without, block)

@@ -20,6 +20,7 @@ from microgripper_control.identification.nuisance import Projection
 from microgripper_control.plant.model import Model
 
 RESCALED = 4  # guesses whose strength is corrected, and as many that are kept as they are
+RIGHT = 0.05  # of its strength: a guess that is off by less is as strong as it should be
 STRONGEST = 30.0  # times, and weakest 1/30: the furthest correction
 IDLE = 1e-4  # of the gap's power: a guess that changes less is no start
 
@@ -46,6 +47,8 @@ def guesses(evidence: Evidence, bases: Sequence[Base], effect: str, wanted: int)
         if (guess := _judge(evidence, base, _with(base.trial.model, effect, values)))
     ]
     for guess in sorted(found, key=lambda guess: guess.least)[:RESCALED]:
+        if abs(guess.strength - 1.0) < RIGHT:
+            continue
         model = _stronger(guess.model, effect, guess.strength)
         if model is not guess.model and (again := _judge(evidence, guess.base, model)):
             found.append(again)

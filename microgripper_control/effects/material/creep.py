@@ -85,7 +85,7 @@ def starts(scales: Scales) -> Sequence[Values]:
 
 def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
     """No piezo ceramic goes on by more than a few per cent a decade; polymers by some tens."""
-    return {"strength": (0.0, 0.3)}
+    return {"strength": (0.0, 0.1)}
 
 
 def says(values: Values, scales: Scales) -> str:
