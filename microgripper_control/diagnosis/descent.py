@@ -5,7 +5,8 @@ that differ by ten decades then bend every step that is cut short: on a flexure 
 stayed at 420 nm where this one gets to the noise, 15 nm, in eight steps. `dogbox` does not bear
 parameters that the data hardly tell apart.
 
-Steps are damped in units of the largest column norms so far (Moré 1978) and projected on the bounds
+Steps are damped in units of the largest column norms so far (Moré 1978), the more the less of what
+was promised a step has gained (Nielsen 1999), and projected on the bounds
 (Kanzow, Yamashita and Fukushima 2004); a parameter at a bound it is pressed against stays there.
 """
 
@@ -18,7 +19,7 @@ import numpy as np
 from microgripper_control.core.signals import Array
 
 FIRST_DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e-12, 1e10
-MORE, LESS = 5.0, 1.0 / 8.0  # damping after a step that failed, and after one that did not
+MORE, LESS = 2.0, 0.1  # damping after a step that failed, the next ever faster; and at least, else
 STUCK = 0.1  # of the tolerance: a step that gains less of the squares is the last
 
 
@@ -38,7 +39,7 @@ def descend(
     """
     low, high = bounds
     z = np.clip(start, low, high)
-    left, used, damping = residuals(z), 1, FIRST_DAMPING
+    left, used, damping, more = residuals(z), 1, FIRST_DAMPING, MORE
     squares = float(left @ left)
     sizes = np.zeros(len(z))
     while used < evaluations and np.isfinite(squares):
@@ -52,7 +53,7 @@ def descend(
         table = np.column_stack([slopes[:, free] / sizes[free], left])
         triangle = np.asarray(np.linalg.qr(table, mode="r"))
         factor, rotated = triangle[:count, :count], triangle[:count, count]
-        gained = 0.0
+        gained = promised = 0.0
         while used < evaluations and damping < MOST_DAMPING:
             damped = np.vstack([factor, np.sqrt(damping) * np.eye(count)])
             step = np.linalg.lstsq(damped, np.append(-rotated, np.zeros(count)), rcond=None)[0]
@@ -62,16 +63,19 @@ def descend(
             other = residuals(tried)
             used += 1
             gained = squares - float(other @ other)
+            promised = float(rotated @ rotated - np.sum((factor @ step + rotated) ** 2))
             if gained > 0.0:
                 break
-            damping = max(MORE * damping, LEAST_DAMPING)
+            damping, more = more * damping, 2.0 * more
         if not gained > 0.0:
             break
-        promised = float(rotated @ rotated)
+        damping = damping * max(LESS, 1.0 - (2.0 * gained / promised - 1.0) ** 3)
+        damping, more = max(damping, LEAST_DAMPING), MORE
         z, left = tried, other
+        possible = float(rotated @ rotated) - gained
         done = gained <= STUCK * tolerance * squares
-        done |= max(gained, promised - gained) <= tolerance * squares
-        squares, damping = float(left @ left), max(LESS * damping, LEAST_DAMPING)
+        done |= max(gained, possible) <= tolerance * squares
+        squares = float(left @ left)
         if done:
             break
     return z, left, used

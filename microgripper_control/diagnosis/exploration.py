@@ -6,6 +6,7 @@ kept, and how probable each is follows from all of them together (see `weighing`
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
@@ -34,6 +35,7 @@ from microgripper_control.diagnosis.trial import (
     begun,
     extend,
     fit_on,
+    half_way,
     judged,
     moved,
     refine,
@@ -41,7 +43,8 @@ from microgripper_control.diagnosis.trial import (
 )
 from microgripper_control.effects.registry import registry
 
-STARTS = 2  # best first guesses that are fitted
+STARTS, MOST_STARTS = 2, 4  # best first guesses that are fitted,
+ENOUGH = 60_000  # samples times guesses: few samples take many
 MOST_EFFECTS = 3
 BEAM = 2  # explanations that a further effect is added to
 SECONDS, SECONDS_IF_DEAR = 5, 3  # further effects that are fitted, the most promising,
@@ -58,6 +61,7 @@ FEW = 2  # and no more than so many of these, if they have helped at all by then
 LEADERS = 4  # explanations by one effect that are fitted again on settled evidence
 SETTLING_IN = 5  # steps with the same derivatives, from a part of the samples to all of them
 STEPS = 12  # of a fit from a first guess, at most
+FALLEN_SHORT = 1.2  # times what a guess had promised: a fit that leaves more has gone astray
 DEAR_STEPS = 8  # where each sample is dear: first with the base's derivatives kept, then all fresh
 ROUGH, POLISHED = 1e-3, 1e-5  # tolerances
 
@@ -127,15 +131,21 @@ def _settled(pool: Pool) -> Pool:
     settled = Pool(
         evidence,
         judged(evidence, unfitted(evidence, pool.nominal)),
-        refine(evidence, pool.refit, ROUGH, 12),
+        refine(evidence, pool.refit, ROUGH, STEPS),
         failures=pool.failures,
     )
+    bases = [base_of(evidence, settled.refit)]
     leaders = pool.best(1, LEADERS)
     for effects, trial in pool.tried.items():
-        if trial in leaders and not any(registry()[name].read_off for name in effects):
-            settled.add(polish(evidence, trial))
-        else:
+        if trial not in leaders or any(registry()[name].read_off for name in effects):
             settled.add(judged(evidence, unfitted(evidence, trial)))
+            continue
+        settled.add(polish(evidence, trial))
+        for name in effects:  # what the first period has led astray begins afresh
+            again = attempt(evidence, bases, name, PART, np.inf)[1]
+            if again is not None and not is_dear(evidence, again.model):
+                settled.add(again)
+                settled.add(refined(evidence, again, POLISHED, 60))
     return min(pool, settled, key=lambda one: min(t.rmse for t in (one.refit, *one.tried.values())))
 
 
@@ -301,7 +311,8 @@ def _attempt(
             return None, f"readings on steps of {quantity(step, 'm')} could not follow so closely"
         return _behind(evidence, bases[0].trial, name), ""
     part, anchors = on_a_part(evidence, bases, name, most)
-    starts = guesses(part, anchors, name, STARTS)
+    samples = sum(int(np.count_nonzero(used)) for used in part.used)
+    starts = guesses(part, anchors, name, min(MOST_STARTS, max(STARTS, ENOUGH // samples)))
     fits = [_fit_from(part, start, name) for start in starts]
     found = [fit for fit in fits if fit is not None and np.isfinite(fit.fitted_rmse)]
     if not found:
@@ -323,9 +334,16 @@ def _attempt(
 def _fit_from(evidence: Evidence, guess: Guess, name: str) -> Trial | None:
     """Fit from a first guess: with few derivatives fresh, then, where no sample is dear, with all.
 
-    All at once from the guess would often lead astray, few of them alone far too little.
+    All at once from the guess would often lead astray, few of them alone far too little. Where less
+    comes of it than the guess had promised, the base's parameters go first.
     """
     fit = extend(evidence, guess.base, guess.model, [name])
     if is_dear(evidence, guess.model):
         return fit
-    return fit_on(evidence, fit or begun(guess.base, guess.model, [name]), ROUGH, STEPS)
+    fit = fit_on(evidence, fit or begun(guess.base, guess.model, [name]), ROUGH, STEPS)
+    promised = math.sqrt(max(guess.left, 0.0) / len(guess.base.residual))
+    if fit.fitted_rmse < FALLEN_SHORT * promised:
+        return fit
+    start = half_way(evidence, guess.base, guess.model, [name])
+    other = fit_on(evidence, start, ROUGH, STEPS)
+    return min(fit, other, key=lambda trial: trial.fitted_rmse)

@@ -219,6 +219,16 @@ def extend(evidence: Evidence, base: Base, model: Model, added: Sequence[str]) -
     return trial_at(problem, z, squares)
 
 
+def half_way(evidence: Evidence, base: Base, model: Model, added: Sequence[str]) -> Trial:
+    """Where a fit of `model` begins once the base's parameters have gone to meet the guess."""
+    start = begun(base, model, added)
+    problem = problem_of(evidence, model, start.free)
+    z = problem.point(model, start.initial_hysteresis)
+    own = np.r_[: len(base.trial.free), len(start.free) : len(z)]
+    z = _met_half_way(problem, z, problem.jacobian(z), own)
+    return trial_at(problem, z, math.inf)
+
+
 def _chord(problem: Problem, columns: Array, anew: Sequence[int]) -> Callable[[Array], Array]:
     """The Jacobian with some columns taken anew at each point and the others kept."""
 
