@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from microgripper_control.cli.main import app
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
-from microgripper_control.diagnosis import exploration
+from microgripper_control.diagnosis import attempt
 from microgripper_control.diagnosis.diagnose import candidate_names, diagnose
 from microgripper_control.diagnosis.findings import EFFECTS, NONE, PARAMETERS
 from microgripper_control.plant.model import Model
@@ -166,14 +166,14 @@ def test_what_was_commanded_before_a_recording_began_is_blamed_on_nothing(paper:
 def test_a_candidate_that_fails_stops_no_other_and_is_listed(
     paper: Model, mistuned: Callable[[Model], Model], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    real = exploration.guesses
+    real = attempt.guesses
 
     def fails(*given: object, **options: object) -> object:
         if "backlash" in given:
             raise FloatingPointError("overflow in the play")
         return real(*given, **options)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(exploration, "guesses", fails)
+    monkeypatch.setattr(attempt, "guesses", fails)
     rig = paper.with_link("transport_delay", delay=0.0024)
     found = diagnose(mistuned(paper), [record(rig, 9.0, 6)], jobs=1)
     assert found.effects == ("transport_delay",)

@@ -1,0 +1,125 @@
+"""One effect added to an explanation: from first guesses to the best fit, and why there is none.
+
+Nothing that goes wrong with one effect stops the others: what cannot be fitted is told, not raised.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from microgripper_control.core.quantities import quantity
+from microgripper_control.diagnosis.evidence import Evidence
+from microgripper_control.diagnosis.grid import refuted
+from microgripper_control.diagnosis.part import GLANCE, is_dear, on_a_part, refined
+from microgripper_control.diagnosis.screening import Guess, guesses
+from microgripper_control.diagnosis.trial import (
+    Base,
+    Trial,
+    begun,
+    extend,
+    fit_on,
+    half_way,
+    judged,
+    moved,
+    unfitted,
+)
+from microgripper_control.effects.registry import registry
+
+STARTS, MOST_STARTS = 2, 4  # best first guesses that are fitted,
+ENOUGH = 60_000  # samples times guesses: few samples take many
+STEPS = 12  # of a fit from a first guess, at most
+FALLEN_SHORT = 1.2  # times what a guess had promised: a fit that leaves more has gone astray
+DEAR_STEPS = 8  # where each sample is dear: first with the base's derivatives kept, then all fresh
+SETTLING_IN = 5  # steps with the same derivatives, from a part of the samples to all of them
+ROUGH = 1e-3  # tolerance
+
+
+def attempt(
+    evidence: Evidence, bases: Sequence[Base], name: str, most: int, hopeless: float
+) -> tuple[str, Trial | None, str]:
+    """Add one effect to the bases: its name, the best fit, and why there is none.
+
+    A dear one is fitted on `most` samples, and no further if it leaves `hopeless`, m, of them.
+    """
+    try:
+        with np.errstate(all="ignore"):  # a hopeless guess may overflow: it is then no start
+            return name, *_attempt(evidence, bases, name, most, hopeless)
+    except (ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
+        return name, None, f"could not be fitted: {error}"
+
+
+def _attempt(
+    evidence: Evidence, bases: Sequence[Base], name: str, most: int, hopeless: float
+) -> tuple[Trial | None, str]:
+    link = registry()[name]
+    if not link.starts(evidence.scales):
+        return None, "nothing in the recordings to start from"
+    if link.read_off:
+        step, error = evidence.scales.resolution, bases[0].trial.fitted_rmse
+        if refuted(step, error, [recording.measured for recording in evidence.fitted]):
+            return None, f"readings on steps of {quantity(step, 'm')} could not follow so closely"
+        return behind(evidence, bases[0].trial, name), ""
+    part, anchors = on_a_part(evidence, bases, name, most)
+    samples = sum(int(np.count_nonzero(used)) for used in part.used)
+    starts = guesses(part, anchors, name, min(MOST_STARTS, max(STARTS, ENOUGH // samples)))
+    fits = [_fit_from(part, start, name) for start in starts]
+    found = [fit for fit in fits if fit is not None and np.isfinite(fit.fitted_rmse)]
+    if not found:
+        return None, "no start could be fitted"
+    found.sort(key=lambda trial: trial.fitted_rmse)
+    if is_dear(part, found[0].model) and not anchors[0].trial.effects:
+        found[0] = fit_on(part, found[0], ROUGH, DEAR_STEPS)
+    if part is evidence:
+        return min((judged(evidence, fit) for fit in found), key=lambda trial: trial.both), ""
+    for fit in found:  # what fits a part may diverge elsewhere
+        whole = unfitted(evidence, moved(evidence, fit))
+        if np.isfinite(whole.fitted_rmse):
+            if fit.fitted_rmse < hopeless:
+                whole = fit_on(evidence, whole, ROUGH, SETTLING_IN, fresh=())
+            return judged(evidence, whole), ""
+    return None, "diverges where it was not fitted"
+
+
+def _fit_from(evidence: Evidence, guess: Guess, name: str) -> Trial | None:
+    """Fit from a first guess: with few derivatives fresh, then, where no sample is dear, with all.
+
+    All at once from the guess would often lead astray, few of them alone far too little. Where less
+    comes of it than the guess had promised, the base's parameters go first.
+    """
+    fit = extend(evidence, guess.base, guess.model, [name])
+    if is_dear(evidence, guess.model):
+        return fit
+    fit = fit_on(evidence, fit or begun(guess.base, guess.model, [name]), ROUGH, STEPS)
+    promised = math.sqrt(max(guess.left, 0.0) / len(guess.base.residual))
+    if fit.fitted_rmse < FALLEN_SHORT * promised:
+        return fit
+    start = half_way(evidence, guess.base, guess.model, [name])
+    other = fit_on(evidence, start, ROUGH, STEPS)
+    return min(fit, other, key=lambda trial: trial.fitted_rmse)
+
+
+def behind(evidence: Evidence, trial: Trial, name: str) -> Trial:
+    """A trial with an effect added that changes nothing in the fit."""
+    model = trial.model.with_link(name, **registry()[name].starts(evidence.scales)[0])
+    return judged(evidence, replace(trial, model=model))
+
+
+def promise(evidence: Evidence, bases: Sequence[Base], name: str) -> tuple[str, float]:
+    """The share of a residual's power, at best, that is left when an effect joins in."""
+    try:
+        with np.errstate(all="ignore"):
+            part, anchors = on_a_part(evidence, bases, name, GLANCE)
+            found = guesses(part, anchors, name, 1)
+    except (ArithmeticError, ValueError, np.linalg.LinAlgError):
+        return name, np.inf
+    power = float(anchors[0].residual @ anchors[0].residual)
+    return name, found[0].least / power if found and power > 0.0 else np.inf
+
+
+def polish(evidence: Evidence, trial: Trial) -> Trial:
+    """Fit on with fresh derivatives."""
+    return refined(evidence, trial, ROUGH, STEPS)
