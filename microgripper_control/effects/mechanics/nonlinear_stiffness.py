@@ -55,8 +55,10 @@ def starts(scales: Scales) -> Sequence[Values]:
 
 
 def says(values: Values, scales: Scales) -> str:
-    x = np.linspace(*scales.position, 50)
-    change = (2.0 * values["quadratic"] + 3.0 * values["cubic"] * x) * x / scales.stiffness
+    c, none = np.array(coefficients(values)), np.zeros(0)
+    x = np.linspace(*scales.position, 501)
+    force = np.array([-law(c, none, none, at, at, 0.0, 0.0) for at in x])
+    change = np.gradient(force, x, edge_order=2) / scales.stiffness
     change -= change[int(np.argmin(np.abs(x)))]
     most = float(change[int(np.argmax(np.abs(change)))])
     way = "stiffens" if most >= 0.0 else "softens"
@@ -73,9 +75,7 @@ LINK = Link(
     parameters=(
         Parameter("quadratic", "N/m^2", 5e10, -1e20, 1e20, "of the restoring force in x^2", 0.0),
         Parameter("cubic", "N/m^3", 2.5e15, -1e26, 1e26, "of the restoring force in x^3", 0.0),
-        Parameter(
-            "levelling", "1/m^2", 1e10, -1e20, 1e20, "of the cubic; below 0 it steepens", 0.0
-        ),
+        Parameter("levelling", "1/m^2", 0.0, -4e12, 4e12, "of the cubic; below 0 it steepens"),
     ),
     starts=starts,
     says=says,

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from microgripper_control.core.signals import Array
 from microgripper_control.plant.model import Model
@@ -31,6 +32,26 @@ def test_at_rest_it_stands_at_the_root(paper: Model, sign: float) -> None:
         root = roots[np.argmin(np.abs(roots - linear))].real
         np.testing.assert_allclose(x, root, rtol=1e-12)
         assert sign * (linear - root) > 0.0
+
+
+@pytest.mark.parametrize(("levelling", "far"), [(4e9, 2.6), (-1e9, 1.4)])
+def test_the_cubic_term_levels_off_or_steepens(paper: Model, levelling: float, far: float) -> None:
+    """Against the root of the balance at rest; `far` is 1 + |levelling| x^2 at 20 um."""
+    assert 1.0 + abs(levelling) * 2e-5**2 == pytest.approx(far)
+    s = paper.values("second_order")
+    model = paper.with_link(LINK, quadratic=0.0, cubic=10.0 * CUBIC * s["k"], levelling=levelling)
+    model = model.with_values({("bouc_wen", "alpha"): 0.0})
+
+    def balance(x: float, push: float) -> float:
+        changed = 1.0 + abs(levelling) * x * x
+        cubic = 10.0 * CUBIC * s["k"] * x**3
+        pulled = cubic / changed if levelling > 0.0 else cubic * changed
+        return float((s["k"] + s["k_s"]) * x + pulled - push)
+
+    for voltage in (60.0, 160.0):
+        push = s["k"] * model.value("bouc_wen", "d") * voltage
+        x = simulate(model, np.full(10, voltage), 1e-3, initial=Initial.FIRST_SAMPLE)
+        np.testing.assert_allclose(x, brentq(balance, 0.0, 1e-4, (push,), xtol=1e-16), rtol=1e-9)
 
 
 @pytest.mark.parametrize(("rig", "tolerance"), [("paper", 4e-3), ("slow", 4e-4)])
