@@ -98,6 +98,8 @@ def _fit_from(evidence: Evidence, guess: Guess, name: str) -> Trial | None:
     if fit.fitted_rmse < FALLEN_SHORT * promised:
         return fit
     start = half_way(evidence, guess.base, guess.model, [name])
+    if start is None:
+        return fit
     other = fit_on(evidence, start, ROUGH, STEPS)
     return min(fit, other, key=lambda trial: trial.fitted_rmse)
 

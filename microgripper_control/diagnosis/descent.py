@@ -50,6 +50,8 @@ def descend(
         uphill = slopes.T @ left
         free = (sizes > 0.0) & ~(((z <= low) & (uphill > 0.0)) | ((z >= high) & (uphill < 0.0)))
         count = int(np.count_nonzero(free))
+        if count == 0:
+            break
         table = np.column_stack([slopes[:, free] / sizes[free], left])
         triangle = np.asarray(np.linalg.qr(table, mode="r"))
         factor, rotated = triangle[:count, :count], triangle[:count, count]

@@ -219,13 +219,19 @@ def extend(evidence: Evidence, base: Base, model: Model, added: Sequence[str]) -
     return trial_at(problem, z, squares)
 
 
-def half_way(evidence: Evidence, base: Base, model: Model, added: Sequence[str]) -> Trial:
-    """Where a fit of `model` begins once the base's parameters have gone to meet the guess."""
+def half_way(evidence: Evidence, base: Base, model: Model, added: Sequence[str]) -> Trial | None:
+    """Where a fit of `model` begins once the base's parameters have gone to meet the guess.
+
+    Neither fitted nor judged; None where the model diverges beside the guess.
+    """
     start = begun(base, model, added)
     problem = problem_of(evidence, model, start.free)
     z = problem.point(model, start.initial_hysteresis)
     own = np.r_[: len(base.trial.free), len(start.free) : len(z)]
-    z = _met_half_way(problem, z, problem.jacobian(z), own)
+    try:
+        z = _met_half_way(problem, z, problem.jacobian(z), own)
+    except (ValueError, FloatingPointError, np.linalg.LinAlgError):
+        return None
     return trial_at(problem, z, math.inf)
 
 
