@@ -125,9 +125,11 @@ def _settled(pool: Pool) -> Pool:
             settled.add(judged(evidence, unfitted(evidence, trial)))
             continue
         settled.add(polish(evidence, trial))
+        if is_dear(evidence, trial.model):
+            continue
         for name in effects:  # what the first period has led astray begins afresh
             again = attempt(evidence, bases, name, PART, np.inf)[1]
-            if again is not None and not is_dear(evidence, again.model):
+            if again is not None:
                 settled.add(again)
                 settled.add(refined(evidence, again, POLISHED, 60))
     return min(pool, settled, key=lambda one: min(t.rmse for t in (one.refit, *one.tried.values())))

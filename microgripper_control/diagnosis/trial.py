@@ -134,11 +134,9 @@ def refine(
     trial: Trial,
     tolerance: float = FINE,
     evaluations: int = 40,
-    fresh: Collection[str] | None = None,
-    trust: float = 1.0,
 ) -> Trial:
     """`fit_on` from a trial, and judge what comes out."""
-    return judged_once(evidence, fit_on(evidence, trial, tolerance, evaluations, fresh, trust))
+    return judged_once(evidence, fit_on(evidence, trial, tolerance, evaluations))
 
 
 @np.errstate(all="ignore")  # a step too far may overflow: it is then not taken

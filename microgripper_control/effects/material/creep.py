@@ -84,7 +84,7 @@ def starts(scales: Scales) -> Sequence[Values]:
 
 
 def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
-    """No piezo ceramic goes on by more than a few per cent a decade; polymers by some tens."""
+    """No piezo ceramic goes on by more than a few per cent a decade."""
     return {"strength": (0.0, 0.1)}
 
 
