@@ -62,6 +62,7 @@ class Weights:
     none: float = 3.4  # in favour of the model as it was given
     agrees: float = 0.6  # for an effect whose signature is there
     contradicts: float = 1.2  # against one whose signature should be there and is not
+    unusual: float = 2.0  # against one of a size that goes by another name; not fitted to cases
 
 
 CALIBRATED = Weights()
@@ -89,6 +90,7 @@ class Facts:
     independent: float
     tried: Mapping[Explanation, Left]
     signs: Mapping[str, bool | None] = field(default_factory=dict)  # effect: does it agree?
+    unusual: Mapping[Explanation, float] = field(default_factory=dict)  # `Link.unusual`, summed
 
     @classmethod
     def of(cls, pool: Pool, signatures: Sequence[Signature] = ()) -> Facts:
@@ -102,7 +104,15 @@ class Facts:
                 effects: explained(effects, trial, pool) for effects, trial in pool.tried.items()
             },
             signs={signature.effect: signature.agrees for signature in signatures},
+            unusual={
+                effects: _unusual(effects, trial, pool) for effects, trial in pool.tried.items()
+            },
         )
+
+
+def _unusual(effects: Explanation, trial: Trial, pool: Pool) -> float:
+    scales = pool.evidence.scales
+    return math.fsum(registry()[name].unusual(trial.model.values(name), scales) for name in effects)
 
 
 def _left(trial: Trial) -> Left:
@@ -144,6 +154,7 @@ def weigh(facts: Facts, weights: Weights = CALIBRATED) -> dict[Explanation, floa
     logs[OUTSIDE] = evidence(rest) - weights.unknown
     for effects, left in facts.tried.items():
         odds = weights.effect + (len(effects) - 1) * weights.further
+        odds += weights.unusual * facts.unusual.get(effects, 0.0)
         for name in sorted(effects):
             if facts.signs.get(name) is not None:
                 odds += -weights.agrees if facts.signs[name] else weights.contradicts

@@ -141,6 +141,16 @@ def as_declared(scales: Scales) -> Mapping[str, tuple[float, float]]:
     return {}
 
 
+# unusual(values, scales): from 0, for values that the field knows the effect by, to 1, for those
+# that go by another name. Laws that can imitate each other are told apart by their sizes, too.
+Unusual = Callable[[Values, Scales], float]
+
+
+def never_unusual(values: Values, scales: Scales) -> float:
+    """A link that goes by its name whatever its values."""
+    return 0.0
+
+
 # idle(values): names of parameters that change nothing as long as those that are not fitted stay.
 Idle = Callable[[Values], Collection[str]]
 
@@ -226,6 +236,7 @@ class Link:
     credible: Credible = always_credible
     starts: Starts = no_starts
     plausible: Plausible = as_declared
+    unusual: Unusual = never_unusual
     idle: Idle = none_idle
     says: Says | None = None  # the title does without
     nominal: bool = False  # part of the paper's plant, always there

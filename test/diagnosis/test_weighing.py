@@ -57,6 +57,12 @@ def test_the_plain_answer_wins(given: Facts, expected: frozenset[str]) -> None:
     assert max(weighed, key=lambda explanation: weighed[explanation]) == expected
 
 
+def test_of_equally_good_explanations_the_one_of_its_usual_size_is_believed() -> None:
+    both = facts(300.0, 60.0, creep=15.5, lag=15.5)
+    weighed = weigh(replace(both, unusual={CREEP: 1.0, LAG: 0.0}))
+    assert weighed[LAG] == pytest.approx(np.exp(2.0) * weighed[CREEP])
+
+
 def test_equally_good_explanations_share_the_probability() -> None:
     weighed = weigh(facts(300.0, 60.0, creep=15.5, lag=15.5))
     assert weighed[CREEP] == pytest.approx(weighed[LAG])

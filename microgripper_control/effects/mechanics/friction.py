@@ -20,6 +20,7 @@ from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import quantity
 from microgripper_control.core.signals import Array
 from microgripper_control.effects.base import Force, Link, Scales, Stage, Values
+from microgripper_control.effects.memory_of_the_way import octaves_beyond_short
 
 SLIGHT = 0.1  # so far e^-x is taken as (12 - 6 x + x^2) / (12 + 6 x + x^2)
 
@@ -88,10 +89,15 @@ def starts(scales: Scales) -> Sequence[Values]:
     ]
 
 
+def presliding(values: Values) -> float:
+    """The way, m, for which it holds after a reversal."""
+    return values["coulomb"] * (1.0 + values["excess"]) / values["stiffness"]
+
+
 def says(values: Values, scales: Scales) -> str:
-    held = values["coulomb"] * (1.0 + values["excess"]) / values["stiffness"]
+    held = quantity(presliding(values), "m")
     return (
-        f"there is friction: after each reversal it holds for about {quantity(held, 'm')}, "
+        f"there is friction: after each reversal it holds for about {held}, "
         f"then slides against {quantity(values['coulomb'], 'N')}"
     )
 
@@ -99,6 +105,11 @@ def says(values: Values, scales: Scales) -> str:
 def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
     """Ten times stiffer than the rig is just stuck: no recording tells more."""
     return {"stiffness": (1e-3 * scales.stiffness, 10.0 * scales.stiffness)}
+
+
+def unusual(values: Values, scales: Scales) -> float:
+    """What bends over a good part of the stroke is hysteresis of the restoring force."""
+    return min(1.0, max(0.0, octaves_beyond_short(presliding(values), scales)))
 
 
 LINK = Link(
@@ -120,5 +131,6 @@ LINK = Link(
     ),
     starts=starts,
     plausible=plausible,
+    unusual=unusual,
     says=says,
 )

@@ -15,6 +15,7 @@ within 2 to 9 % of slip distances that are spread by a power law with exponents 
 (Segalman), of what these leave of a straight line, and within 4 % together with the first.
 """
 
+import math
 from collections.abc import Collection, Sequence
 
 from microgripper_control.core.parameters import Parameter
@@ -22,6 +23,7 @@ from microgripper_control.core.quantities import percent, quantity
 from microgripper_control.core.signals import Array
 from microgripper_control.effects.base import Force, Link, Scales, Stage, Values
 from microgripper_control.effects.material.bouc_wen import advance
+from microgripper_control.effects.memory_of_the_way import octaves_beyond_short
 
 ELEMENTS = 8  # N
 
@@ -82,20 +84,32 @@ def idle(values: Values) -> Collection[str]:
     return without.get(values["distributed"], ())
 
 
-def says(values: Values, scales: Scales) -> str:
+def memory(values: Values) -> float:
+    """The way, m, after which a reversal is forgotten; infinite if it never is."""
+    distributed, alpha = values["distributed"], values["alpha"]
+    slipped = distributed * 2.0 * values["widest"]
+    bending = alpha * (1.0 - distributed)
+    if bending == 0.0:
+        return slipped
     decay = max(abs(values["beta"] + values["gamma"]), abs(values["beta"] - values["gamma"]))
-    distributed = values["distributed"]
+    if decay == 0.0:
+        return math.inf
+    bent = float((bending / decay) ** (1.0 / values["n"]) / bending)
+    return slipped + (1.0 - distributed) * bent
+
+
+def says(values: Values, scales: Scales) -> str:
     share = percent(values["alpha"] / scales.stiffness)
     text = f"the restoring force has hysteresis: after each reversal it is {share} stiffer"
-    if values["alpha"] == 0.0:
+    forgotten = memory(values)
+    if values["alpha"] == 0.0 or math.isinf(forgotten):
         return text
-    forgotten = distributed * 2.0 * values["widest"]
-    alpha = values["alpha"] * (1.0 - distributed)
-    if alpha > 0.0:
-        if decay == 0.0:
-            return text
-        forgotten += (1.0 - distributed) * (alpha / decay) ** (1.0 / values["n"]) / alpha
     return f"{text}, until the finger has moved about {quantity(forgotten, 'm')}"
+
+
+def unusual(values: Values, scales: Scales) -> float:
+    """What is forgotten after a small part of the stroke is friction."""
+    return min(1.0, max(0.0, -octaves_beyond_short(memory(values), scales)))
 
 
 LINK = Link(
@@ -117,5 +131,6 @@ LINK = Link(
     ),
     starts=starts,
     idle=idle,
+    unusual=unusual,
     says=says,
 )

@@ -1,8 +1,9 @@
 """Hum: the mains frequency and its harmonics, coupled into the reading.
 
-    y = x + sum over n = 1, 2, 3 of a_n sin(n (2 pi frequency t + phase))
+    y = x + sum over n = 1, 2, 3, 5 of a_n sin(n (2 pi frequency t + phase))
 
-The second harmonic comes from rectifiers, the third from saturated iron. Nothing fixes the phase
+The second harmonic comes from rectifiers, the third from saturated iron, the fifth from the
+three-phase rectifiers of drives. Nothing fixes the phase
 that a recording starts with, and it does not stay: a grid's frequency wanders by some hundredths of
 a hertz, and what couples it in changes with every load switched. Predictions therefore leave the
 link out, and each recording is given its own slowly changing amplitude and phase of each harmonic,
@@ -24,10 +25,12 @@ from microgripper_control.core.quantities import quantity
 from microgripper_control.core.signals import POSITION, Array, Timing
 from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
 
-AMPLITUDES = ("amplitude", "second", "third")  # of the harmonics 1, 2, 3
+HARMONICS = {"amplitude": 1, "second": 2, "third": 3, "fifth": 5}  # parameter: which it is
 HALF_WAVE = 4.0  # s, about the shortest of an envelope
-UNFOLDED = 0.45  # cycles a sample: the highest harmonic that is looked for beside the fundamental
 MOST_HALF_WAVES = 4  # in a recording: more run away where they are not fitted, and take longer
+CLEAR = 2.5  # cycles in a recording between two lines that are told apart
+FOLDING = 3  # the highest harmonic, of those that are not far smaller than the first
+BESIDE = (-0.08, -0.04, 0.04, 0.08)  # Hz
 
 
 @compiled
@@ -37,15 +40,16 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
     for j in range(bus.shape[1]):
         cycles = cycles_per_sample * state[0]
         angle = math.tau * (cycles - math.floor(cycles)) + phase
-        for n in range(1, coefficients.shape[1] - 1):
-            bus[POSITION, j] += coefficients[0, n + 1] * math.sin(n * angle)
+        for at in range(2, coefficients.shape[1], 2):
+            bus[POSITION, j] += coefficients[0, at + 1] * math.sin(coefficients[0, at] * angle)
         state[0] += 1.0
 
 
 def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     """The levels are left alone: a hum has none."""
     row = [values["frequency"] * timing.sample_period, values["phase"]]
-    row += [values[name] for name in AMPLITUDES]
+    for name, n in HARMONICS.items():
+        row += [float(n), values[name]]
     return Prepared(np.array([row]), np.zeros(1), timing.ramped)
 
 
@@ -57,17 +61,32 @@ def envelopes(time: Array) -> Array:
     return np.array([np.cos(k * course) for k in range(count + 1)])
 
 
-def courses(values: Values, time: Array) -> Array:
-    """Sine and cosine of each harmonic in each envelope; their weights are amplitudes, m.
+def shown(values: Values, time: Array) -> dict[str, int]:
+    """The harmonics that a recording tells apart, beside the fundamental.
 
-    Harmonics that the sampling folds back are left out: they would meet the lower ones there.
+    The sampling folds what is above half its rate back: from 200 Hz the third harmonic of 50.00 Hz
+    lies on the first, that of 50.05 Hz 0.2 Hz below it.
+    """
+    step = float(time[1] - time[0]) if len(time) > 1 else 1.0
+    clear = CLEAR / (step * len(time))
+    lines: dict[str, float] = {}
+    for name, n in HARMONICS.items():
+        cycles = n * values["frequency"] * step
+        line = abs(cycles - round(cycles)) / step
+        ends = min(line, 0.5 / step - line)
+        if n == 1 or (2.0 * ends > clear and all(abs(line - f) > clear for f in lines.values())):
+            lines[name] = line
+    return {name: HARMONICS[name] for name in lines}
+
+
+def courses(values: Values, time: Array) -> Array:
+    """Sine and cosine of each harmonic that shows in each envelope; the weights are amplitudes, m.
+
+    Harmonics that lie on a lower one are left out: the weights would not be determined.
     """
     angle = math.tau * values["frequency"] * time
-    step = float(time[1] - time[0]) if len(time) > 1 else 0.0
-    harmonics = range(1, len(AMPLITUDES) + 1)
-    seen = [n for n in harmonics if n == 1 or n * values["frequency"] * step < UNFOLDED]
     slow = envelopes(time)
-    waves = [wave(n * angle) for n in seen for wave in (np.sin, np.cos)]
+    waves = [wave(n * angle) for n in shown(values, time).values() for wave in (np.sin, np.cos)]
     return np.concatenate([slow * wave for wave in waves])
 
 
@@ -75,15 +94,23 @@ def observed(values: Values, weights: Array, time: Array) -> Values:
     """Amplitudes, root mean square over the recording, and the phase that the fundamental has."""
     slow = envelopes(time)
     quadratures = weights.reshape(-1, 2, len(slow))
-    sizes = np.zeros(len(AMPLITUDES))
-    sizes[: len(quadratures)] = np.sqrt(np.mean(np.sum((quadratures @ slow) ** 2, axis=1), axis=1))
+    sizes = np.sqrt(np.mean(np.sum((quadratures @ slow) ** 2, axis=1), axis=1))
     phase = {"phase": math.atan2(quadratures[0, 1, 0], quadratures[0, 0, 0])}
-    return phase | dict(zip(AMPLITUDES, sizes.tolist(), strict=True))
+    found = dict(zip(shown(values, time), sizes.tolist(), strict=True))
+    return phase | dict.fromkeys(HARMONICS, 0.0) | found
 
 
 def starts(scales: Scales) -> Sequence[Values]:
-    """The mains of Europe and of America, where the sampling shows them."""
-    return [{"frequency": line} for line in (50.0, 60.0) if line < 0.5 / scales.sample_period]
+    """The mains of Europe and of America, where the sampling shows them.
+
+    Also beside them where the sampling folds harmonics into lines all around.
+    """
+    found = []
+    for line in (50.0, 60.0):
+        highest = 0.5 / scales.sample_period / line
+        beside = (0.0,) if highest > FOLDING else (0.0, *BESIDE)
+        found += [{"frequency": line + away} for away in beside if highest > 1.0]
+    return found
 
 
 def says(values: Values, scales: Scales) -> str:
@@ -103,6 +130,7 @@ LINK = Link(
         Parameter("amplitude", "m", 5e-8, 0.0, 1e-3, "of the fundamental", 0.0, fitted=False),
         Parameter("second", "m", 1e-8, 0.0, 1e-3, "of the second harmonic", 0.0, fitted=False),
         Parameter("third", "m", 1e-8, 0.0, 1e-3, "of the third harmonic", 0.0, fitted=False),
+        Parameter("fifth", "m", 0.0, 0.0, 1e-3, "of the fifth harmonic", 0.0, fitted=False),
         Parameter("phase", "rad", 0.0, -7.0, 7.0, "of the fundamental at the start", fitted=False),
     ),
     prepare=prepare,

@@ -14,15 +14,17 @@ from microgripper_control.identification.nuisance import blocks
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.simulate import simulate
 
-VALUES = {"frequency": 49.97, "amplitude": 6e-8, "second": 2e-8, "third": 1e-8, "phase": 0.9}
+SIZES = {"amplitude": 6e-8, "second": 2e-8, "third": 1e-8, "fifth": 0.7e-8}  # m
+VALUES = {"frequency": 49.97, **SIZES, "phase": 0.9}
+HARMONICS = (1, 2, 3, 5)
 PERIOD = 1e-3  # s
 NOISE = 15e-9  # m
 
 
 def series(time: Array) -> Array:
     angle = 2.0 * np.pi * VALUES["frequency"] * time + VALUES["phase"]
-    amplitudes = (VALUES["amplitude"], VALUES["second"], VALUES["third"])
-    return sum((a * np.sin(n * angle) for n, a in enumerate(amplitudes, 1)), np.zeros(len(time)))
+    parts = zip(HARMONICS, SIZES.values(), strict=True)
+    return sum((a * np.sin(n * angle) for n, a in parts), np.zeros(len(time)))
 
 
 def hum(paper: Model, samples: int) -> Array:
@@ -44,7 +46,7 @@ def test_predictions_leave_it_out(paper: Model, lively: Array) -> None:
 
 def test_a_harmonic_can_be_there_alone(paper: Model) -> None:
     """A rectifier's ripple has no fundamental."""
-    model = paper.with_link("mains_hum", **{**VALUES, "amplitude": 0.0, "third": 0.0})
+    model = paper.with_link("mains_hum", **{**VALUES, "amplitude": 0.0, "third": 0.0, "fifth": 0.0})
     x = simulate(model, np.zeros(4000), PERIOD, random=True)
     time = PERIOD * np.arange(4000)
     expected = 2e-8 * np.sin(2.0 * (2.0 * np.pi * 49.97 * time + 0.9))
@@ -58,7 +60,7 @@ def test_courses_span_it_whatever_the_phase(paper: Model) -> None:
     weights, *_ = np.linalg.lstsq(columns.T, x, rcond=None)
     np.testing.assert_allclose(weights @ columns, x, atol=1e-17)
     found = link_named("mains_hum").observed(VALUES, weights, time)
-    for name in ("amplitude", "second", "third", "phase"):
+    for name in (*SIZES, "phase"):
         assert found[name] == pytest.approx(VALUES[name], rel=1e-9)
 
 
@@ -87,7 +89,7 @@ def test_it_takes_up_next_to_nothing_beside_the_mains() -> None:
     """Noise keeps all but the share of the weights; a line 1 Hz off stays."""
     time = PERIOD * np.arange(20_000)
     columns = link_named("mains_hum").courses({"frequency": 50.0}, time)
-    assert len(columns) == 30
+    assert len(columns) == 40
     basis = np.linalg.qr(columns.T)[0]
     for other in (49.0, 51.0):
         line = np.sin(2.0 * np.pi * other * time)
@@ -105,6 +107,21 @@ def test_harmonics_that_fold_back_are_left_out(period: float) -> None:
     found = link_named("mains_hum").observed({"frequency": 49.99}, weights, time)
     assert found["amplitude"] == pytest.approx(3e-8, rel=1e-3)
     assert found["third"] == 0.0
+
+
+def test_harmonics_that_fold_back_clear_of_the_first_are_told_apart() -> None:
+    """50.05 Hz sampled at 200 Hz: the third shows at 49.85 Hz, the fifth at 50.25 Hz."""
+    values = VALUES | {"frequency": 50.05}
+    time = 0.005 * np.arange(8000)
+    angle = 2.0 * np.pi * 50.05 * time + 0.9
+    x = sum((SIZES[name] * np.sin(n * angle) for name, n in (("amplitude", 1), ("fifth", 5))), 0.0)
+    columns = link_named("mains_hum").courses(values, time)
+    assert np.linalg.cond(columns.T) < 1e3
+    weights, *_ = np.linalg.lstsq(columns.T, x, rcond=None)
+    found = link_named("mains_hum").observed(values, weights, time)
+    assert found["amplitude"] == pytest.approx(6e-8, rel=1e-3)
+    assert found["fifth"] == pytest.approx(0.7e-8, rel=1e-2)
+    assert found["third"] < 1e-12
 
 
 def test_the_shortest_recordings_have_courses() -> None:
@@ -132,6 +149,6 @@ def test_a_planted_hum_is_found(paper: Model, start: float) -> None:
     assert abs(found - 49.97) < 4.0 * error < 0.015
     weights, residual = best(found)
     sizes = link_named("mains_hum").observed({"frequency": found}, weights, time)
-    for name, size in (("amplitude", 6e-8), ("second", 2e-8), ("third", 1e-8)):
+    for name, size in SIZES.items():
         assert sizes[name] == pytest.approx(size, abs=1e-9)
     assert np.std(residual) == pytest.approx(NOISE, rel=0.03)

@@ -1,0 +1,18 @@
+"""How far back a force remembers the way, and what it is called for that.
+
+Friction sticks over a small part of the stroke and then slides; a force with hysteresis bends over
+a good part of it. Either law can imitate the other: what they are called is a matter of size.
+"""
+
+import math
+
+from microgripper_control.effects.base import Scales
+
+SHORT = 0.08  # of the stroke: the presliding of guides and joints is shorter
+
+
+def octaves_beyond_short(memory: float, scales: Scales) -> float:
+    """How many times a way, m, must be halved to be a short one; below zero if it is shorter."""
+    if memory <= 0.0 or scales.stroke <= 0.0:
+        return 0.0
+    return math.log2(memory / (SHORT * scales.stroke))
