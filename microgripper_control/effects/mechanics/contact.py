@@ -8,7 +8,7 @@ depth, so that its unit does not depend on the exponent. The damping of Hunt and
 the depth: the force is continuous at the touch and never pulls.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import number, quantity
@@ -54,6 +54,11 @@ def starts(scales: Scales) -> Sequence[Values]:
     ]
 
 
+def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
+    """A stop that is a hundred times stiffer than the rig is just hard: no recording tells more."""
+    return {"stiffness": (0.0, 100.0 * scales.stiffness)}
+
+
 def says(values: Values, scales: Scales) -> str:
     way = "beyond" if values["side"] >= 0.0 else "below"
     where, push = quantity(values["position"], "m", 3), number(1e-6 * values["stiffness"])
@@ -76,5 +81,6 @@ LINK = Link(
         Parameter("side", "1", 1.0, -1.0, 1.0, "1 beyond, -1 below the position", fitted=False),
     ),
     starts=starts,
+    plausible=plausible,
     says=says,
 )

@@ -16,7 +16,7 @@ within 2 to 9 % of slip distances that are spread by a power law with exponents 
 """
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import percent, quantity
@@ -84,6 +84,11 @@ def idle(values: Values) -> Collection[str]:
     return without.get(values["distributed"], ())
 
 
+def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
+    """Ten times stiffer than the rig is just stuck: no recording tells more."""
+    return {"alpha": (0.0, 10.0 * scales.stiffness)}
+
+
 def memory(values: Values) -> float:
     """The way, m, after which a reversal is forgotten; infinite if it never is."""
     distributed, alpha = values["distributed"], values["alpha"]
@@ -131,6 +136,7 @@ LINK = Link(
     ),
     starts=starts,
     idle=idle,
+    plausible=plausible,
     unusual=unusual,
     says=says,
 )
