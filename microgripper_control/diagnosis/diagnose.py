@@ -16,7 +16,7 @@ from microgripper_control.diagnosis.identified_model import identified
 from microgripper_control.diagnosis.part import refined
 from microgripper_control.diagnosis.pool import Pool
 from microgripper_control.diagnosis.readings import reading_warnings
-from microgripper_control.diagnosis.refit import nominal_trial, refit_trial
+from microgripper_control.diagnosis.refit import nominal_trial, refits
 from microgripper_control.diagnosis.residuals import residuals_of
 from microgripper_control.diagnosis.sentence import sentence
 from microgripper_control.diagnosis.shrinkage import closed_fraction, closed_interval
@@ -52,14 +52,14 @@ def diagnose(
     """
     whole = Evidence.gather(recordings, heldout, conditions or Conditions(), nominal)
     warnings = [line for r in (*recordings, *heldout) for line in reading_warnings(r)]
-    lean, before, refit = _without_effects(whole)
-    if unseen_gap(whole, refit):
-        warnings.append(unseen_warning(refit))
+    lean, before, refits = _without_effects(whole)
+    if unseen_gap(whole, refits[0]):
+        warnings.append(unseen_warning(refits[0]))
         whole = whole.joined()
-        lean, before, refit = _without_effects(whole)
+        lean, before, refits = _without_effects(whole)
     left_out = {*nominal.effects, *without}
     names = [name for name in candidate_names() if name not in left_out]
-    pool = explore(lean, before, refit, names, progress, jobs)
+    pool = explore(lean, before, refits, names, progress, jobs)
     evidence, refit = pool.evidence, pool.refit
     progress("where the gap lies", 0, 1)
     fitted, judging = residuals_of(evidence, refit.model)
@@ -103,11 +103,11 @@ def diagnose(
     )
 
 
-def _without_effects(whole: Evidence) -> tuple[Evidence, Trial, Trial]:
-    """As much evidence as is compared; on it the nominal model as it is, and refitted."""
+def _without_effects(whole: Evidence) -> tuple[Evidence, Trial, Sequence[Trial]]:
+    """As much evidence as is compared; on it the nominal model as it is, and its refits."""
     lean = whole.lean()
     before = nominal_trial(lean, whole.nominal)
-    return lean, before, refit_trial(lean, before)
+    return lean, before, refits(lean, before)
 
 
 def on_all(whole: Evidence, lean: Evidence, trial: Trial) -> Trial:

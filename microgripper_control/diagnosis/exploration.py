@@ -7,6 +7,7 @@ kept, and how probable each is follows from all of them together (see `weighing`
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -59,16 +60,21 @@ def silent(what: str, done: int, total: int) -> None:
 def explore(
     evidence: Evidence,
     nominal: Trial,
-    refit: Trial,
+    refits: Sequence[Trial],
     candidates: Sequence[str],
     progress: Progress = silent,
     jobs: int = -1,
 ) -> Pool:
-    """Try the candidates, alone and together, as far as there is anything to explain."""
+    """Try the candidates, alone and together, as far as there is anything to explain.
+
+    They are added to the refits, of which the first is the best, and to the nominal model.
+    """
+    refit, *others = refits
     pool = Pool(evidence, nominal, refit)
     names = [name for name in candidates if name not in pool.own]
     fitted = [name for name in names if not registry()[name].read_off]
-    bases = [base_of(evidence, refit), base_of(evidence, nominal)]
+    far = replace(nominal, free=refit.free)  # from where it is, but no parameter stays there
+    bases = [base_of(evidence, trial) for trial in (refit, *others, far)]
     # From cheap to dear: a look is enough at what costs more and has nothing left to explain.
     cheap = [name for name in names if not is_force(name)]
     dear = [name for name in names if is_dear_with(evidence, refit, name)]

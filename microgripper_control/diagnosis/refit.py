@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from microgripper_control.diagnosis.evidence import Evidence
+from microgripper_control.diagnosis.ringing import other_frequencies
 from microgripper_control.diagnosis.trial import (
     FINE,
     Trial,
@@ -31,6 +32,12 @@ HARDLY = 1e-6  # of the trust in the nominal model: a fit goes where the recordi
 def nominal_trial(evidence: Evidence, model: Model) -> Trial:
     """The model as it was given, judged; its own effects belong to it."""
     return _at(evidence, model, _static_keys(model), starting_hysteresis(evidence, model))
+
+
+def refits(evidence: Evidence, nominal: Trial) -> list[Trial]:
+    """`refit_trial`, and its like at other natural frequencies of a rig that rings; best first."""
+    found = refit_trial(evidence, nominal)
+    return sorted((found, *other_frequencies(evidence, found)), key=lambda trial: trial.both)
 
 
 def refit_trial(evidence: Evidence, nominal: Trial) -> Trial:
