@@ -34,6 +34,7 @@ ENOUGH = 60_000  # samples times guesses: few samples take many
 STEPS = 12  # of a fit from a first guess, at most
 FALLEN_SHORT = 1.2  # times what a guess had promised: a fit that leaves more has gone astray
 DEAR_STEPS = 8  # where each sample is dear: first with the base's derivatives kept, then all fresh
+CARRIED = 2  # fits of a part of the samples that are tried on all of them
 SETTLING_IN = 5  # steps with the same derivatives, from a part of the samples to all of them
 ROUGH = 1e-3  # tolerance
 
@@ -72,16 +73,18 @@ def _attempt(
         return None, "no start could be fitted"
     found.sort(key=lambda trial: trial.fitted_rmse)
     if is_dear(part, found[0].model) and not anchors[0].trial.effects:
-        found[0] = fit_on(part, found[0], ROUGH, DEAR_STEPS)
+        found.insert(0, fit_on(part, found[0], ROUGH, DEAR_STEPS))
     if part is evidence:
         return min((judged(evidence, fit) for fit in found), key=lambda trial: trial.both), ""
-    for fit in found:  # what fits a part may diverge elsewhere
-        whole = unfitted(evidence, moved(evidence, fit))
-        if np.isfinite(whole.fitted_rmse):
-            if fit.fitted_rmse < hopeless:
-                whole = fit_on(evidence, whole, ROUGH, SETTLING_IN, fresh=())
-            return judged(evidence, whole), ""
-    return None, "diverges where it was not fitted"
+    # What fits a part best may have bent to it: elsewhere it fits worse, or diverges.
+    carried = [unfitted(evidence, moved(evidence, fit)) for fit in found[:CARRIED]]
+    carried = [trial for trial in carried if np.isfinite(trial.fitted_rmse)]
+    if not carried:
+        return None, "diverges where it was not fitted"
+    whole = min(carried, key=lambda trial: trial.fitted_rmse)
+    if found[0].fitted_rmse < hopeless:
+        whole = fit_on(evidence, whole, ROUGH, SETTLING_IN, fresh=())
+    return judged(evidence, whole), ""
 
 
 def _fit_from(evidence: Evidence, guess: Guess, name: str) -> Trial | None:
