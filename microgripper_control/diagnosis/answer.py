@@ -29,6 +29,7 @@ from microgripper_control.plant.model import Model, Setting
 
 Weighed = Mapping[Explanation, float]
 ANSWERS = {NOTHING: NONE, MISTUNED: PARAMETERS, OUTSIDE: UNKNOWN}
+WORTH_NAMING = 5.0  # times as probable as without it: a further effect that is named
 RIVAL = 0.15  # of the chosen explanation's probability: as good for all we know,
 ALIKE = 0.5  # of the noise floor, beyond what it leaves: more than that these recordings tell apart
 MOST_RIVALS = 4
@@ -46,7 +47,9 @@ def chosen(weighed: Weighed, pool: Pool) -> Explanation:
     """Of the explanations by effects that the most probable first effect leads, the best.
 
     One effect may share its probability among several sets with others: the answer begins with the
-    effect that stands first among the candidates. Empty if none was tried.
+    effect that stands first among the candidates. What its law leaves, not being the rig's own,
+    many others could take up a little: one is named beside it only if that is worth much more.
+    Empty if none was tried.
     """
     led: dict[str, dict[Explanation, float]] = {}
     for effects, probability in weighed.items():
@@ -54,8 +57,15 @@ def chosen(weighed: Weighed, pool: Pool) -> Explanation:
             led.setdefault(by_importance(effects, pool)[0], {})[effects] = probability
     if not led:
         return frozenset()
-    best = max(led.values(), key=lambda own: math.fsum(own.values()))
-    return max(best, key=lambda effects: best[effects])
+    own = max(led.values(), key=lambda own: math.fsum(own.values()))
+    best = max(own, key=lambda effects: own[effects])
+    while smaller := [
+        fewer
+        for fewer in (best - {name} for name in best)
+        if own.get(fewer, 0.0) > own[best] / WORTH_NAMING
+    ]:
+        best = max(smaller, key=lambda effects: own[effects])
+    return best
 
 
 def by_importance(effects: Explanation, pool: Pool) -> tuple[str, ...]:

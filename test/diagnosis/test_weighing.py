@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from microgripper_control.diagnosis.answer import ambiguous, by_importance
+from microgripper_control.diagnosis.answer import ambiguous, by_importance, chosen
 from microgripper_control.diagnosis.pool import Pool
 from microgripper_control.diagnosis.trial import Trial
 from microgripper_control.diagnosis.weighing import (
@@ -162,6 +162,26 @@ def test_only_what_leaves_about_as_much_is_a_group(lag: float, groups: object) -
         },
     )
     assert ambiguous({CREEP: 0.6, LAG: 0.3, NOTHING: 0.1}, pool) == groups
+
+
+@pytest.mark.parametrize(("with_both", "named"), [(0.45, CREEP), (0.65, BOTH)])
+def test_a_further_effect_is_named_if_it_is_worth_much_more(
+    with_both: float, named: frozenset[str]
+) -> None:
+    """Beside 0.1 for creep alone."""
+    model = nominal_model()
+    creep, lag = model.with_link("creep"), model.with_link("sensor_lag")
+    pool = Pool(
+        evidence=None,  # type: ignore[arg-type]  # not looked at
+        nominal=trial(model, 60.0),
+        refit=trial(model, 60.0),
+        tried={
+            CREEP: trial(creep, 20.0),
+            LAG: trial(lag, 50.0),
+            BOTH: trial(creep.with_link("sensor_lag"), 15.0),
+        },
+    )
+    assert chosen({CREEP: 0.1, LAG: 0.01, BOTH: with_both, NOTHING: 0.2}, pool) == named
 
 
 def trial(model: Model, error: float) -> Trial:
