@@ -36,11 +36,25 @@ MOST_RIVALS = 4
 AT_BOUND = 1e-3  # of the range
 
 
-def verdict(weighed: Weighed) -> str:
-    """The kind of answer that is most probable."""
+def verdict(weighed: Weighed, pool: Pool) -> str:
+    """The kind of answer that is most probable; effects that stand for each other count as one."""
     kinds = {name: weighed.get(answer, 0.0) for answer, name in ANSWERS.items()}
-    kinds[EFFECTS] = 1.0 - sum(kinds.values())
+    if best := chosen(weighed, pool):
+        first = by_importance(best, pool)[0]
+        alike = [group for group in ambiguous(weighed, pool) if first in group]
+        led = _led(weighed, pool)
+        named = {first, *(name for group in alike for name in group)} & led.keys()
+        kinds[EFFECTS] = math.fsum(p for name in named for p in led[name].values())
     return max(kinds, key=lambda kind: kinds[kind])
+
+
+def _led(weighed: Weighed, pool: Pool) -> dict[str, dict[Explanation, float]]:
+    """The explanations by effects and their probabilities, by the effect that leads each."""
+    led: dict[str, dict[Explanation, float]] = {}
+    for effects, probability in weighed.items():
+        if effects not in ANSWERS:
+            led.setdefault(by_importance(effects, pool)[0], {})[effects] = probability
+    return led
 
 
 def chosen(weighed: Weighed, pool: Pool) -> Explanation:
@@ -51,10 +65,7 @@ def chosen(weighed: Weighed, pool: Pool) -> Explanation:
     many others could take up a little: one is named beside it only if that is worth much more.
     Empty if none was tried.
     """
-    led: dict[str, dict[Explanation, float]] = {}
-    for effects, probability in weighed.items():
-        if effects not in ANSWERS:
-            led.setdefault(by_importance(effects, pool)[0], {})[effects] = probability
+    led = _led(weighed, pool)
     if not led:
         return frozenset()
     own = max(led.values(), key=lambda own: math.fsum(own.values()))

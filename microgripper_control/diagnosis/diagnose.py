@@ -65,7 +65,7 @@ def diagnose(
     fitted, judging = residuals_of(evidence, refit.model)
     signs = signatures([*judging, *fitted], pool.noise_floor)
     weighed = weigh(Facts.of(pool, signs))
-    verdict = answer.verdict(weighed)
+    verdict = answer.verdict(weighed, pool)
     effects: tuple[str, ...] = ()
     best = before if verdict == NONE else refit
     if verdict == EFFECTS:

@@ -8,7 +8,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from microgripper_control.diagnosis.answer import ambiguous, by_importance, chosen
+from microgripper_control.diagnosis.answer import ambiguous, by_importance, chosen, verdict
+from microgripper_control.diagnosis.findings import EFFECTS, UNKNOWN
 from microgripper_control.diagnosis.pool import Pool
 from microgripper_control.diagnosis.trial import Trial
 from microgripper_control.diagnosis.weighing import (
@@ -162,6 +163,24 @@ def test_only_what_leaves_about_as_much_is_a_group(lag: float, groups: object) -
         },
     )
     assert ambiguous({CREEP: 0.6, LAG: 0.3, NOTHING: 0.1}, pool) == groups
+
+
+@pytest.mark.parametrize(("lag", "kind"), [(16.0, EFFECTS), (40.0, UNKNOWN)])
+def test_effects_that_stand_for_each_other_outweigh_the_unknown_together(
+    lag: float, kind: str
+) -> None:
+    """Each for itself is less probable than a law outside the library."""
+    model = nominal_model()
+    pool = Pool(
+        evidence=None,  # type: ignore[arg-type]  # not looked at
+        nominal=trial(model, 60.0),
+        refit=trial(model, 60.0),
+        tried={
+            CREEP: trial(model.with_link("creep"), 15.0),
+            LAG: trial(model.with_link("sensor_lag"), lag),
+        },
+    )
+    assert verdict({CREEP: 0.3, LAG: 0.25, OUTSIDE: 0.45}, pool) == kind
 
 
 @pytest.mark.parametrize(("with_both", "named"), [(0.45, CREEP), (0.65, BOTH)])
