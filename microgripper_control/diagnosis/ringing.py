@@ -13,8 +13,10 @@ import math
 import numpy as np
 
 from microgripper_control.core.signals import Array
+from microgripper_control.diagnosis.attempt import ROUGH, STEPS
 from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.trial import Indices, Trial, fit_on, judged, unfitted
+from microgripper_control.effects.mechanics.second_order import natural_frequency
 from microgripper_control.identification.determined import DYNAMIC
 from microgripper_control.plant.model import Model
 
@@ -23,42 +25,39 @@ GRID = 41  # frequencies in it
 LASTS = 3.0  # time constants a sample: what has died away before the next sample was not seen
 FAST = 0.5  # rad a sample: slower ringing is drawn by the samples, and a fit finds it
 VALLEYS = 3  # of the residual over the band that are fitted, the deepest
-STEPS, ROUGH = 12, 1e-3  # of a fit
 SAME = 0.02  # relative distance of two frequencies that are one
 WORSE = 1.5  # times what the best leaves: no rival
 
 
 def other_frequencies(evidence: Evidence, refit: Trial) -> list[Trial]:
-    """The refit begun at other natural frequencies, judged; best first, none twice."""
+    """The refit begun at other natural frequencies, judged; none twice."""
     if not _rings(evidence, refit):
         return []
-    band = natural_frequency(evidence.nominal) * np.geomspace(1.0 / BAND, BAND, GRID)
+    band = pace(evidence.nominal) * np.geomspace(1.0 / BAND, BAND, GRID)
     begun = [unfitted(evidence, _ringing_at(refit, float(f))) for f in band]
     left = np.array([trial.fitted_rmse for trial in begun])
     valleys = sorted((begun[i] for i in _valleys(left)), key=lambda trial: trial.fitted_rmse)
     found: list[Trial] = []
     for start in valleys[:VALLEYS]:
         fit = fit_on(evidence, start, ROUGH, STEPS)
-        at = natural_frequency(fit.model)
-        known = (natural_frequency(one.model) for one in (refit, *found))
+        at = pace(fit.model)
+        known = (pace(one.model) for one in (refit, *found))
         if all(abs(at / f - 1.0) > SAME for f in known):
             found.append(judged(evidence, fit))
     least = min(trial.both for trial in (refit, *found))
-    near = [trial for trial in found if trial.both < WORSE * least]
-    return sorted(near, key=lambda trial: trial.both)
+    return [trial for trial in found if trial.both < WORSE * least]
 
 
-def natural_frequency(model: Model) -> float:
-    """Of the mass on its springs, rad/s."""
-    values = model.values("second_order")
-    return math.sqrt((values["k"] + values["k_s"]) / values["m"])
+def pace(model: Model) -> float:
+    """The natural frequency of a model's mass on its springs, rad/s."""
+    return natural_frequency(model.values("second_order"))
 
 
 def _rings(evidence: Evidence, refit: Trial) -> bool:
     """Whether mass and damping were fitted, and the ringing lasts from sample to sample."""
     if not set(DYNAMIC) <= set(refit.free):
         return False
-    omega, values = natural_frequency(refit.model), refit.model.values("second_order")
+    omega, values = pace(refit.model), refit.model.values("second_order")
     decay = min(omega, values["b"] / (2.0 * values["m"]))
     period = evidence.scales.sample_period
     return decay * period < LASTS and omega * period > FAST
@@ -66,7 +65,7 @@ def _rings(evidence: Evidence, refit: Trial) -> bool:
 
 def _ringing_at(refit: Trial, omega: float) -> Trial:
     """The refit with another mass, and with a damping that lets it ring as long."""
-    lighter = (natural_frequency(refit.model) / omega) ** 2
+    lighter = (pace(refit.model) / omega) ** 2
     values = {key: lighter * refit.model.value(*key) for key in DYNAMIC}
     return Trial(refit.model.with_values(values), refit.free, refit.initial_hysteresis, math.inf)
 

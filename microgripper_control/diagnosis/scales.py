@@ -29,5 +29,6 @@ def measure(model: Model, recordings: Sequence[Recording]) -> Scales:
         ),
         position=(ends[0], ends[1]),
         stiffness=model.value("second_order", "k") + model.value("second_order", "k_s"),
+        mass=model.value("second_order", "m"),
         resolution=common_step([recording.measured for recording in recordings]),
     )

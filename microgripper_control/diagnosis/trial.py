@@ -35,9 +35,6 @@ SEEN = 1e-3  # of the best seen direction of the base parameters: weaker ones st
 MUCH = 0.5  # of the squares: a prior that was weighed by more than twice what is left is too heavy
 WAYS = (1.0, 0.5, 0.2)  # shares of the linear step that are tried first
 
-MASS: Key = ("second_order", "m")
-FAR_OFF = 30.0  # times the model's: a mass that is lighter still takes for ever to be followed
-
 Indices = NDArray[np.intp]
 
 
@@ -113,8 +110,6 @@ def problem_of(evidence: Evidence, model: Model, free: Sequence[Key]) -> Problem
         for link in model.settings
         for name, bounds in registry()[link].plausible(evidence.scales).items()
     }
-    mass = evidence.nominal.value(*MASS)
-    limits[MASS] = mass / FAR_OFF, mass * FAR_OFF
     return Problem(model, evidence.fitted, evidence.conditions, tuple(free), evidence.used, limits)
 
 

@@ -93,6 +93,7 @@ class Scales:
     rate: float  # V/s, fastest change from sample to sample
     position: tuple[float, float]  # m, lowest and highest
     stiffness: float  # N/m, k + k_s
+    mass: float  # kg
     resolution: float = 0.0  # m, of the grid that all readings lie on; 0 if on none
 
     @property

@@ -11,8 +11,17 @@ from microgripper_control.effects.base import Scales
 SHORT = 0.08  # of the stroke: the presliding of guides and joints is shorter
 
 
-def octaves_beyond_short(memory: float, scales: Scales) -> float:
-    """How many times a way, m, must be halved to be a short one; below zero if it is shorter."""
+def unusually_long(memory: float, scales: Scales) -> float:
+    """How far a way, m, is too long for friction: 0 where it is short, 1 at twice that."""
+    return min(1.0, max(0.0, _octaves_beyond_short(memory, scales)))
+
+
+def unusually_short(memory: float, scales: Scales) -> float:
+    """How far a way, m, is too short for hysteresis: 1 at half of what is short, and below."""
+    return min(1.0, max(0.0, -_octaves_beyond_short(memory, scales)))
+
+
+def _octaves_beyond_short(memory: float, scales: Scales) -> float:
     if memory <= 0.0 or scales.stroke <= 0.0:
         return 0.0
     return math.log2(memory / (SHORT * scales.stroke))

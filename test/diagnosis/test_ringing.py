@@ -10,7 +10,7 @@ import pytest
 from microgripper_control.core.recording import Recording
 from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.refit import nominal_trial, refit_trial, refits
-from microgripper_control.diagnosis.ringing import natural_frequency, other_frequencies
+from microgripper_control.diagnosis.ringing import other_frequencies, pace
 from microgripper_control.diagnosis.trial import Trial
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.model import Model, nominal_model
@@ -39,7 +39,7 @@ def steps(rig: Model, model: Model, sigma: float = NOISE) -> Evidence:
 
 
 def hertz(trial: Trial) -> float:
-    return natural_frequency(trial.model) / (2.0 * math.pi)
+    return pace(trial.model) / (2.0 * math.pi)
 
 
 @pytest.mark.parametrize("frequency", [1180.0, 1424.0, 1560.0])

@@ -21,7 +21,7 @@ from microgripper_control.effects.base import Scales, no_starts
 from microgripper_control.effects.registry import registry
 from microgripper_control.plant.model import Model, Setting, nominal_model
 
-SCALES = Scales(1e-3, 44.0, (0.0, 160.0), 500.0, (0.0, 20e-6), 5e7, 1e-6)
+SCALES = Scales(1e-3, 44.0, (0.0, 160.0), 500.0, (0.0, 20e-6), 5e7, 0.0038, 1e-6)
 GAP = Gap(90e-9, 69e-9, 17e-9, 15e-9, 0.881, 0.84, 0.91, 0.82, True)
 PAPER = nominal_model()
 

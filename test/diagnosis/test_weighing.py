@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -99,14 +100,11 @@ def test_a_grid_counts_for_what_it_rounds_though_its_prediction_is_no_closer() -
     """Step 200 nm: 58 nm rms of rounding are all of the gap; a drift that takes half is less."""
     model = nominal_model()
     grid = model.with_link("sensor_quantization", resolution=200.0 * NM)
-    pool = Pool(
-        evidence=None,  # type: ignore[arg-type]  # not looked at
-        nominal=trial(model, 60.0),
-        refit=trial(model, 60.0),
-        tried={
+    pool = pool_of(
+        {
             frozenset(["sensor_quantization"]): trial(grid, 62.0),
             frozenset(["thermal_drift"]): trial(model.with_link("thermal_drift"), 40.0),
-        },
+        }
     )
     both = frozenset(["thermal_drift", "sensor_quantization"])
     assert by_importance(both, pool) == ("sensor_quantization", "thermal_drift")
@@ -153,14 +151,11 @@ def test_a_grid_is_dropped_if_an_explanation_follows_the_readings_more_closely(
 def test_only_what_leaves_about_as_much_is_a_group(lag: float, groups: object) -> None:
     """Half as probable, but half of the noise more is left: these recordings tell the two apart."""
     model = nominal_model()
-    pool = Pool(
-        evidence=None,  # type: ignore[arg-type]  # not looked at
-        nominal=trial(model, 60.0),
-        refit=trial(model, 60.0),
-        tried={
+    pool = pool_of(
+        {
             CREEP: trial(model.with_link("creep"), 15.0),
             LAG: trial(model.with_link("sensor_lag"), lag),
-        },
+        }
     )
     assert ambiguous({CREEP: 0.6, LAG: 0.3, NOTHING: 0.1}, pool) == groups
 
@@ -171,14 +166,11 @@ def test_effects_that_stand_for_each_other_outweigh_the_unknown_together(
 ) -> None:
     """Each for itself is less probable than a law outside the library."""
     model = nominal_model()
-    pool = Pool(
-        evidence=None,  # type: ignore[arg-type]  # not looked at
-        nominal=trial(model, 60.0),
-        refit=trial(model, 60.0),
-        tried={
+    pool = pool_of(
+        {
             CREEP: trial(model.with_link("creep"), 15.0),
             LAG: trial(model.with_link("sensor_lag"), lag),
-        },
+        }
     )
     assert verdict({CREEP: 0.3, LAG: 0.25, OUTSIDE: 0.45}, pool) == kind
 
@@ -190,17 +182,20 @@ def test_a_further_effect_is_named_if_it_is_worth_much_more(
     """Beside 0.1 for creep alone."""
     model = nominal_model()
     creep, lag = model.with_link("creep"), model.with_link("sensor_lag")
-    pool = Pool(
-        evidence=None,  # type: ignore[arg-type]  # not looked at
-        nominal=trial(model, 60.0),
-        refit=trial(model, 60.0),
-        tried={
+    pool = pool_of(
+        {
             CREEP: trial(creep, 20.0),
             LAG: trial(lag, 50.0),
             BOTH: trial(creep.with_link("sensor_lag"), 15.0),
-        },
+        }
     )
     assert chosen({CREEP: 0.1, LAG: 0.01, BOTH: with_both, NOTHING: 0.2}, pool) == named
+
+
+def pool_of(tried: Mapping[frozenset[str], Trial]) -> Pool:
+    """What was tried where the model as it is, and refitted, leaves 60 nm."""
+    plain = trial(nominal_model(), 60.0)
+    return Pool(None, plain, plain, dict(tried))  # type: ignore[arg-type]  # no evidence looked at
 
 
 def trial(model: Model, error: float) -> Trial:

@@ -54,7 +54,7 @@ def test_nearly_off_is_nearly_absent(link: Link, slow: Model, lively: Array) -> 
 
 @every_link
 def test_an_idle_parameter_changes_nothing(link: Link, paper: Model, lively: Array) -> None:
-    scales = Scales(PERIOD, 10.0, (0.0, 150.0), 1e4, (0.0, STROKE), 5e7)
+    scales = Scales(PERIOD, 10.0, (0.0, 150.0), 1e4, (0.0, STROKE), 5e7, 0.0038)
     for values in link.starts(scales):
         model = paper.with_link(link.name, **values)
         expected = simulate(model, lively, PERIOD)

@@ -20,7 +20,7 @@ from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import quantity
 from microgripper_control.core.signals import Array
 from microgripper_control.effects.base import Force, Link, Scales, Stage, Values
-from microgripper_control.effects.memory_of_the_way import octaves_beyond_short
+from microgripper_control.effects.memory_of_the_way import unusually_long
 
 SLIGHT = 0.1  # so far e^-x is taken as (12 - 6 x + x^2) / (12 + 6 x + x^2)
 
@@ -109,7 +109,7 @@ def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
 
 def unusual(values: Values, scales: Scales) -> float:
     """What bends over a good part of the stroke is hysteresis of the restoring force."""
-    return min(1.0, max(0.0, octaves_beyond_short(presliding(values), scales)))
+    return unusually_long(presliding(values), scales)
 
 
 LINK = Link(

@@ -23,7 +23,7 @@ from microgripper_control.core.quantities import percent, quantity
 from microgripper_control.core.signals import Array
 from microgripper_control.effects.base import Force, Link, Scales, Stage, Values
 from microgripper_control.effects.material.bouc_wen import advance
-from microgripper_control.effects.memory_of_the_way import octaves_beyond_short
+from microgripper_control.effects.memory_of_the_way import unusually_short
 
 ELEMENTS = 8  # N
 
@@ -114,7 +114,7 @@ def says(values: Values, scales: Scales) -> str:
 
 def unusual(values: Values, scales: Scales) -> float:
     """What is forgotten after a small part of the stroke is friction."""
-    return min(1.0, max(0.0, -octaves_beyond_short(memory(values), scales)))
+    return unusually_short(memory(values), scales)
 
 
 LINK = Link(

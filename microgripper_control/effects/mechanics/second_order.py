@@ -7,6 +7,7 @@ its input, which is held over the step or runs straight through it (Van Loan 197
 """
 
 import math
+from collections.abc import Mapping
 from functools import lru_cache
 
 import numpy as np
@@ -16,7 +17,7 @@ from microgripper_control.core.compiled import compiled
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.signals import FREE, POSITION, Array, Timing
 from microgripper_control.effects import force_balance, mass_under_forces
-from microgripper_control.effects.base import Link, Prepared, Solver, Stage, Values
+from microgripper_control.effects.base import Link, Prepared, Scales, Solver, Stage, Values
 
 # How finely the ringing after a jump is drawn with straight lines. Measured: a sensor that averages
 # the course then reads as if 1 to 3 us late, for the paper's actuator and for the maker's figures.
@@ -24,6 +25,8 @@ DECAYS = 7.0  # time constants until it counts as died away
 MOST_CORNERS = 6  # in half a period
 FEWEST_PIECES = 12  # in a sample period, unless that takes more corners
 MOST_PIECES = 64
+
+FAR_OFF = 30.0  # times the model's mass
 
 
 @lru_cache(maxsize=256)
@@ -71,7 +74,7 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
 
 def settling(values: Values, sample_period: float) -> set[float]:
     """The turns of the ringing after a jump until it has died away, and corners between them."""
-    omega = math.sqrt((values["k"] + values["k_s"]) / values["m"])
+    omega = natural_frequency(values)
     damping = values["b"] / (2.0 * values["m"] * omega)
     pace = omega * math.sqrt(max(0.25, 1.0 - damping**2))
     decay = omega * (damping - math.sqrt(max(0.0, damping**2 - 1.0)))
@@ -80,6 +83,11 @@ def settling(values: Values, sample_period: float) -> set[float]:
     end = min(sample_period, DECAYS / decay) if decay > 0.0 else sample_period
     step = max(half / corners, end / MOST_PIECES)
     return {i * step / sample_period for i in range(1, math.ceil(end / step))}
+
+
+def natural_frequency(values: Values) -> float:
+    """Of the mass on its springs, rad/s."""
+    return math.sqrt((values["k"] + values["k_s"]) / values["m"])
 
 
 def static_gain(values: Values) -> float:
@@ -94,6 +102,11 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     levels[POSITION] = static_gain(values) * levels[FREE]
     state = np.array([levels[POSITION], 0.0, levels[FREE]])
     return Prepared(np.array(rows), state, ramped=True)
+
+
+def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
+    """A rig is its model's, mistuned. A mass lighter still rings too fast to be followed."""
+    return {"m": (scales.mass / FAR_OFF, scales.mass * FAR_OFF)}
 
 
 LINK = Link(
@@ -113,4 +126,5 @@ LINK = Link(
     kernel=kernel,
     solver=Solver(mass_under_forces.prepare, force_balance.kernel),
     settling=settling,
+    plausible=plausible,
 )

@@ -3,10 +3,10 @@
     y = x + sum over n = 1, 2, 3, 5 of a_n sin(n (2 pi frequency t + phase))
 
 The second harmonic comes from rectifiers, the third from saturated iron, the fifth from the
-three-phase rectifiers of drives. Nothing fixes the phase
-that a recording starts with, and it does not stay: a grid's frequency wanders by some hundredths of
-a hertz, and what couples it in changes with every load switched. Predictions therefore leave the
-link out, and each recording is given its own slowly changing amplitude and phase of each harmonic,
+three-phase rectifiers of drives. Nothing fixes the phase that a recording starts with, and it does
+not stay: a grid's frequency wanders by some hundredths of a hertz, and what couples it in changes
+with every load switched. Predictions therefore leave the link out, and each recording is given its
+own slowly changing amplitude and phase of each harmonic,
 
     sum over k = 0 ... K of (p_nk sin + q_nk cos)(2 pi n frequency t) cos(pi k t / T),
 

@@ -145,6 +145,6 @@ def test_a_periodic_voltage_meets_its_cycle_at_once(paper: Model) -> None:
 def test_creep_from_before_a_recording_is_no_larger_than_creep(size: float, expected: bool) -> None:
     """Two decades at 1 % are 0.4 um of a stroke of 20 um; ten times as much is a drift."""
     values = {"strength": 0.01, "fastest": 0.1, "slowest": 10.0}
-    scales = Scales(1e-3, 44.0, (0.0, 160.0), 500.0, (0.0, 20e-6), 5e7)
+    scales = Scales(1e-3, 44.0, (0.0, 160.0), 500.0, (0.0, 20e-6), 5e7, 0.0038)
     course = size * 0.4e-6 * np.exp(-np.linspace(0.0, 6.0, 500))
     assert LINK.credible(values, course, scales) == expected

@@ -12,7 +12,7 @@ from microgripper_control.effects.mechanics.restoring_force_hysteresis import me
 from microgripper_control.effects.registry import link_named
 
 STROKE = 100e-6  # m
-SCALES = Scales(1e-3, 10.0, (0.0, 100.0), 100.0, (0.0, STROKE), 5e7)
+SCALES = Scales(1e-3, 10.0, (0.0, 100.0), 100.0, (0.0, STROKE), 5e7, 0.0038)
 
 
 def friction(way: float) -> Values:

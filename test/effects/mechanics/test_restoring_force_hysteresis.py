@@ -243,7 +243,7 @@ def test_a_planted_slip_is_found(
 
 
 def test_it_says_how_far_it_remembers() -> None:
-    scales = Scales(1e-3, 10.0, (0.0, 160.0), 1e3, (0.0, 2e-5), 5e7)
+    scales = Scales(1e-3, 10.0, (0.0, 160.0), 1e3, (0.0, 2e-5), 5e7, 0.0038)
     says = link_named(LINK).says
     assert says is not None
     values = {"alpha": 2e6, "beta": 1e5, "gamma": 2e4, "n": 1.0, "widest": 1e-5}

@@ -196,7 +196,7 @@ def test_a_planted_lag_is_found(
 
 
 def test_it_says_what_it_found() -> None:
-    scales = Scales(1e-3, 10.0, (0.0, 160.0), 1e3, (0.0, 2e-5), 1e7)
+    scales = Scales(1e-3, 10.0, (0.0, 160.0), 1e3, (0.0, 2e-5), 1e7, 0.0038)
     says = link_named("backlash").says
     assert says is not None
     assert says({"play": 2.1e-7, "slowness": 0.0}, scales).endswith("finger: 210 nm")
