@@ -145,19 +145,18 @@ def _initial_levels(
 
 def _drive(voltage: Array, timing: Timing, hold: Hold, smooth: Course | None) -> Drive:
     """How the voltage runs from sample to sample; `smooth` is its course if it is band-limited."""
-    fractions = (timing.ends / timing.sample_period).tolist()
-    steps = len(fractions)
+    fractions = timing.ends / timing.sample_period
 
     def drive(bus: Array, begin: int) -> None:
-        end = begin + bus.shape[1] // steps
-        old, new = voltage[begin:end], voltage[begin + 1 : end + 1]
-        for step, fraction in enumerate(fractions):
-            row = bus[VOLTAGE, step::steps]
-            if smooth is not None:
-                row[:] = smooth.ends(begin, end, fraction)
-            elif hold is Hold.FIRST:
-                row[:] = old + fraction * (new - old)
-            else:
-                row[:] = old
+        table = bus[VOLTAGE].reshape(-1, len(fractions))  # a row for each sample
+        end = begin + len(table)
+        old, new = voltage[begin:end, None], voltage[begin + 1 : end + 1, None]
+        if smooth is not None:
+            for step, fraction in enumerate(fractions.tolist()):
+                table[:, step] = smooth.ends(begin, end, fraction)
+        elif hold is Hold.FIRST:
+            table[:] = old + fractions * (new - old)
+        else:
+            table[:] = old
 
     return drive

@@ -49,15 +49,17 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
     w, v, old = state[0], state[1], state[2]
     further = state.shape[0] > 3
     steps = coefficients.shape[0] // 2 if further else coefficients.shape[0]
+    row = 0
     for j in range(bus.shape[1]):
         new, before = bus[VOLTAGE, j], w
-        w, v = advance_lag(coefficients[j % steps], w, v, old, new)
+        w, v = advance_lag(coefficients[row], w, v, old, new)
         old = new
         if further:
             state[3], state[4] = advance_lag(
-                coefficients[steps + j % steps], state[3], state[4], before, w
+                coefficients[steps + row], state[3], state[4], before, w
             )
         bus[VOLTAGE, j] = state[3] if further else w
+        row = row + 1 if row + 1 < steps else 0
     state[0], state[1], state[2] = w, v, old
 
 

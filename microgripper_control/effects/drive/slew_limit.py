@@ -42,11 +42,11 @@ def breaks(values: Values, sample_period: float) -> set[float]:
 def kernel(coefficients: Array, state: Array, bus: Array) -> None:
     """State: output and input so far. Rows: V up and down in a step, whether the input is held."""
     y, old = state[0], state[1]
-    steps = coefficients.shape[0]
+    steps, row = coefficients.shape[0], 0
     for j in range(bus.shape[1]):
-        up, down = coefficients[j % steps, 0], coefficients[j % steps, 1]
+        up, down = coefficients[row, 0], coefficients[row, 1]
         new = bus[VOLTAGE, j]
-        begin = new if coefficients[j % steps, 2] == 1.0 else old
+        begin = new if coefficients[row, 2] == 1.0 else old
         run = new - begin
         # First y makes for the input at full rate; where they meet, it follows as far as it may.
         late = begin - y
@@ -60,6 +60,7 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
             y += pace
         old = new
         bus[VOLTAGE, j] = y
+        row = row + 1 if row + 1 < steps else 0
     state[0], state[1] = y, old
 
 

@@ -33,14 +33,16 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
     """State: where to write next, then a ring of the values at the end of past steps."""
     steps = coefficients.shape[0]
     size = state.shape[0] - 1
-    write = int(state[0])
+    write, row = int(state[0]), 0
     for j in range(bus.shape[1]):
-        c = coefficients[j % steps]
+        c = coefficients[row]
         state[1 + write] = bus[VOLTAGE, j]
-        newer = (write - int(c[0])) % size
-        older = (newer - 1) % size
+        newer = write - int(c[0])
+        newer = newer + size if newer < 0 else newer
+        older = newer - 1 if newer > 0 else size - 1
         bus[VOLTAGE, j] = c[1] * state[1 + newer] + (1.0 - c[1]) * state[1 + older]
-        write = (write + 1) % size
+        write = write + 1 if write + 1 < size else 0
+        row = row + 1 if row + 1 < steps else 0
     state[0] = write
 
 

@@ -34,9 +34,9 @@ def time_constants(values: Values) -> Array:
 @compiled
 def kernel(coefficients: Array, state: Array, bus: Array) -> None:
     """State: w so far, then the s_i. A row: c, then (decay, from the old w, from the new) each."""
-    steps = coefficients.shape[0]
+    steps, step = coefficients.shape[0], 0
     for j in range(bus.shape[1]):
-        row = coefficients[j % steps]
+        row = coefficients[step]
         old, new = state[0], bus[FREE, j]
         grown = 0.0
         for i in range(ELEMENTS):
@@ -45,6 +45,7 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
             grown += state[1 + i]
         state[0] = new
         bus[FREE, j] = new + row[0] * grown
+        step = step + 1 if step + 1 < steps else 0
 
 
 def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:

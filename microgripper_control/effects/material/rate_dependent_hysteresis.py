@@ -46,10 +46,10 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
     ln (1 + pivot / reference), strength, fading and turning over ln 10, fed, beta, gamma, power,
     late.
     """
-    steps = coefficients.shape[0]
+    steps, row = coefficients.shape[0], 0
     u, rate, h, f, e, g = state[0], state[1], state[2], state[3], state[4], state[5]
     for j in range(bus.shape[1]):
-        c = coefficients[j % steps]
+        c = coefficients[row]
         du, new = bus[VOLTAGE, j] - u, bus[HYSTERESIS, j]
         u = bus[VOLTAGE, j]
         way = abs(du)
@@ -76,6 +76,7 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
         g = over + (g - over) * c[0]
         h, f = new, later
         bus[FREE, j] -= f * h + e + c[12] * (g - h)
+        row = row + 1 if row + 1 < steps else 0
     state[0], state[1], state[2], state[3], state[4], state[5] = u, rate, h, f, e, g
 
 

@@ -61,9 +61,9 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
             finger = min(max(finger, x - half), x + half)
             bus[POSITION, j] = finger
     else:
-        old = state[1]
+        old, row = state[1], 0
         for j in range(bus.shape[1]):
-            c = coefficients[j % steps]
+            c = coefficients[row]
             x = bus[POSITION, j]
             if x >= old:
                 finger = x - _trail(old - finger, x - old, c[1], c[0])
@@ -71,6 +71,7 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
                 finger = x + _trail(finger - old, old - x, c[1], c[0])
             old = x
             bus[POSITION, j] = finger
+            row = row + 1 if row + 1 < steps else 0
         state[1] = old
     state[0] = finger
 

@@ -27,13 +27,14 @@ from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Val
 def kernel(coefficients: Array, state: Array, bus: Array) -> None:
     """State: q, its velocity, x so far. The last coefficient of a row is the share."""
     q, v, old = state[0], state[1], state[2]
-    steps = coefficients.shape[0]
+    steps, row = coefficients.shape[0], 0
     for j in range(bus.shape[1]):
-        c = coefficients[j % steps]
+        c = coefficients[row]
         x = bus[POSITION, j]
         q, v = advance_lag(c, q, v, old, x)
         old = x
         bus[POSITION, j] = x + c[-1] * (q - x)
+        row = row + 1 if row + 1 < steps else 0
     state[0], state[1], state[2] = q, v, old
 
 
