@@ -6,32 +6,32 @@
 #include <math.h>
 #include <stddef.h>
 
-static inline double relax(double g, double a, double c, double xi)
+static inline double grown(double c, double xi)
 {
-    double x = c * xi, share;
+    double x = c * xi;
     if (fabs(x) < 0.2) {
         double y = x * x;
-        share = (1.0 + y * (1.0 / 42))
-              / (1.0 + x * (1.0 / 2) + y * (3.0 / 28 + x * (1.0 / 84) + y * (1.0 / 1680)));
-    } else {
-        share = -expm1(-x) / x;
+        return xi * (1.0 + y * (1.0 / 42))
+             / (1.0 + x * (1.0 / 2) + y * (3.0 / 28 + x * (1.0 / 84) + y * (1.0 / 1680)));
     }
-    return g + (a - c * g) * xi * share;
+    return -expm1(-x) / c;
 }
 
 static inline double advance(double h, double du, double a, double beta, double gamma)
 {
-    if (du == 0.0)
-        return h;
-    double sign = du > 0.0 ? 1.0 : -1.0, xi = fabs(du), g = sign * h, c = beta - gamma;
-    if (g < 0.0) {
-        double next = relax(g, a, c, xi);
-        if (next <= 0.0)
-            return sign * next;
-        xi -= fabs(c * g) < 1e-12 * a ? -g / a : log1p(-c * g / a) / c;
-        g = 0.0;
+    double xi = fabs(du), feed = du > 0.0 ? a : -a, c, q;
+    if (h * du < 0.0) {
+        c = beta - gamma;
+        q = grown(c, xi);
+        double next = h * (1.0 - c * q) + feed * q;
+        if (next * du <= 0.0)
+            return next;
+        xi -= fabs(c * h) < 1e-12 * a ? fabs(h) / a : log1p(c * fabs(h) / a) / c;
+        h = 0.0;
     }
-    return sign * relax(g, a, beta + gamma, xi);
+    c = beta + gamma;
+    q = grown(c, xi);
+    return h * (1.0 - c * q) + feed * q;
 }
 
 void chain(const double *p, const double *step, const double *voltage, double *displacement,
