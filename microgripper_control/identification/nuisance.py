@@ -128,9 +128,14 @@ def predict(
 
 
 def largest_hysteresis(model: Model, recording: Recording) -> float:
-    """A generous bound on |h|, m: what the recording's travel from zero could build up."""
+    """A generous bound on |h|, m: what travel from zero to the largest voltage could build up.
+
+    Before the recording, that is anywhere in the range of the drive: a small loop, or the first
+    stretch of a recording, may begin with an h that it could not build up by itself.
+    """
     d, alpha = model.value("bouc_wen", "d"), model.value("bouc_wen", "alpha")
-    return 3.0 * alpha * d * float(np.max(np.abs(recording.voltage)))
+    largest = max(float(np.max(np.abs(recording.voltage))), *map(abs, model.voltage_range))
+    return 3.0 * alpha * d * largest
 
 
 @dataclass(frozen=True)

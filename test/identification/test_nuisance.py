@@ -32,6 +32,18 @@ def test_offset_and_initial_hysteresis_are_found() -> None:
     assert found.offset == pytest.approx(-1e-6, rel=1e-6)
 
 
+def test_a_small_loop_may_begin_with_what_a_large_one_has_built_up() -> None:
+    full, small = np.linspace(0.0, 150.0, 301), 8.0 - 2.0 * np.sin(np.linspace(0.0, 9.0, 400))
+    voltage = np.concatenate([full, full[::-1], small])
+    measured = simulate(nominal_model(), voltage, 1e-3)
+    piece = Recording("piece", 1e-3, small, measured[-len(small) :])
+    found = fit_nuisance(nominal_model(), piece, Conditions())
+    # No travel within the piece could build that much up; the way to its first sample is missing.
+    assert abs(found.initial_hysteresis) > 0.0801 * 1.4447e-7 * 3.0 * np.max(small)
+    predicted = predict(nominal_model(), piece, Conditions(), found)
+    assert np.max(np.abs(predicted - piece.measured)[5:]) < 1e-9
+
+
 def test_a_frozen_zero_is_left_alone() -> None:
     model = nominal_model().with_link("sensor_zero", offset=-1e-6)
     found = fit_nuisance(model, recording(), Conditions())
