@@ -53,8 +53,10 @@ def sentence(
     """
     floor = f"noise floor {quantity(gap.noise_floor, 'm')}"
     if verdict == NONE:
-        left = quantity(gap.nominal, "m")
-        return f"The model explains the recordings down to their noise: it leaves {left} ({floor})."
+        left = f"it leaves {quantity(gap.nominal, 'm')} ({floor})"
+        if removable(gap.nominal, gap.noise_floor) > gap.noise_floor:
+            return f"Nothing that was tried foretells the recordings better than the model: {left}."
+        return f"The model explains the recordings down to their noise: {left}."
     if verdict == PARAMETERS:
         after = f"from {quantity(gap.nominal, 'm')} to {quantity(gap.augmented, 'm')} ({floor})"
         return f"{_moved(nominal, model)} Fitting them again takes the held-out error {after}."

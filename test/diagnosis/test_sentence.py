@@ -172,6 +172,15 @@ def test_no_gap() -> None:
     )
 
 
+def test_a_model_that_nothing_beats_is_not_said_to_explain_everything() -> None:
+    gap = Gap(680e-9, 683e-9, 680e-9, 240e-9, 0.0, 0.0, 0.0, 0.0, True)
+    said = sentence(NONE, [], gap, PAPER, PAPER, [], [], SCALES)
+    assert said == (
+        "Nothing that was tried foretells the recordings better than the model: "
+        "it leaves 680 nm (noise floor 240 nm)."
+    )
+
+
 def test_parameters_that_moved_are_named_and_undetermined_ones_are_not() -> None:
     d, m = PAPER.value("bouc_wen", "d"), PAPER.value("second_order", "m")
     changes = {
