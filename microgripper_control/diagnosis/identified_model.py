@@ -27,7 +27,7 @@ def identified(evidence: Evidence, trial: Trial) -> Model:
     problem = problem_of(evidence, trial.model, trial.free)
     z = problem.point(trial.model, trial.initial_hysteresis)
     spread = variances(problem, z)
-    freedom = sum(int(np.count_nonzero(mask)) for mask in problem.masks) - len(z)
+    freedom = problem.samples - len(z)
     settings = {}
     for index, key in enumerate(problem.free):
         value, scale = trial.model.value(*key), float(problem.scales[index])

@@ -197,9 +197,7 @@ def extend(evidence: Evidence, base: Base, model: Model, added: Sequence[str]) -
 
     Not judged yet; None if that fails.
     """
-    start = begun(base, model, added)
-    problem = problem_of(evidence, model, start.free)
-    z = problem.point(model, start.initial_hysteresis)
+    problem, z = _opened(evidence, base, model, added)
     count, size = len(base.trial.free), len(problem.free)
     if len(z) != base.jacobian.shape[1] + size - count:
         return None
@@ -222,15 +220,22 @@ def half_way(evidence: Evidence, base: Base, model: Model, added: Sequence[str])
 
     Neither fitted nor judged; None where the model diverges beside the guess.
     """
-    start = begun(base, model, added)
-    problem = problem_of(evidence, model, start.free)
-    z = problem.point(model, start.initial_hysteresis)
-    own = np.r_[: len(base.trial.free), len(start.free) : len(z)]
+    problem, z = _opened(evidence, base, model, added)
+    own = np.r_[: len(base.trial.free), len(problem.free) : len(z)]
     try:
         z = _met_half_way(problem, z, problem.jacobian(z), own)
     except (ValueError, FloatingPointError, np.linalg.LinAlgError):
         return None
     return trial_at(problem, z, math.inf)
+
+
+def _opened(
+    evidence: Evidence, base: Base, model: Model, added: Sequence[str]
+) -> tuple[Problem, Array]:
+    """The problem of `model`, the base's with the links `added`, and where a fit of it begins."""
+    start = begun(base, model, added)
+    problem = problem_of(evidence, model, start.free)
+    return problem, problem.point(model, start.initial_hysteresis)
 
 
 def _chord(problem: Problem, columns: Array, anew: Sequence[int]) -> Callable[[Array], Array]:
@@ -265,12 +270,11 @@ def _met_half_way(problem: Problem, z: Array, jacobian: Array, base: Indices) ->
 
 def trial_at(problem: Problem, z: Array, squares: float) -> Trial:
     """The trial at a point of a problem with its sum of squares, m^2; not judged."""
-    count = sum(int(np.count_nonzero(mask)) for mask in problem.masks)
     return Trial(
         model=problem.model_at(z),
         free=problem.free,
         initial_hysteresis=tuple(problem.initial_hysteresis(z)),
-        fitted_rmse=float(np.sqrt(squares / count)),
+        fitted_rmse=float(np.sqrt(squares / problem.samples)),
     )
 
 
@@ -326,5 +330,4 @@ def _solve(
         tolerance,
         evaluations,
     )
-    samples = sum(int(np.count_nonzero(mask)) for mask in problem.masks)
-    return found, left[:samples], used
+    return found, left[: problem.samples], used

@@ -59,7 +59,7 @@ def prepare(values: Values, timing: Timing, levels: Array, loads: Sequence[Load]
     for force, given in loads:
         address = address_of(force.law, arrays=3, numbers=4)
         laws.append(_row([address, force.states, *force.coefficients(given)]))
-    omega = math.sqrt(_stiffness(values, loads) / values["m"])
+    omega = natural_frequency(values, loads)
     substeps = []
     divided = _divisions(values, omega, timing, carried > 0)
     for step, spans in zip(timing.steps, divided, strict=True):
@@ -73,6 +73,11 @@ def prepare(values: Values, timing: Timing, levels: Array, loads: Sequence[Load]
     layout.kernel(np.array([*laws, _rest(values)]), state, rest)
     levels[POSITION] = rest[POSITION, 2]
     return Prepared(np.array([*laws, *substeps]), state, ramped=True)
+
+
+def natural_frequency(values: Values, loads: Sequence[Load] = ()) -> float:
+    """Of the mass on its springs, and on forces that push back, rad/s."""
+    return math.sqrt(_stiffness(values, loads) / values["m"])
 
 
 def _stiffness(values: Values, loads: Sequence[Load]) -> float:
@@ -125,7 +130,7 @@ def _division(
     values: Values, omega: float, step: float, ramped: bool, by_path: bool
 ) -> list[float]:
     """The substeps of a step of the bus, s."""
-    own = math.sqrt((values["k"] + values["k_s"]) / values["m"])
+    own = natural_frequency(values)
     half = values["b"] / (2.0 * values["m"])
     decay = half - math.sqrt(max(0.0, half**2 - own**2))
     share = max(WEAKEST, 1.0 - (own / omega) ** 2)

@@ -59,6 +59,11 @@ class Problem:
         ends = np.cumsum([0, *map(np.count_nonzero, self.masks)]).tolist()
         return list(starmap(slice, pairwise(ends)))
 
+    @cached_property
+    def samples(self) -> int:
+        """How many samples count."""
+        return sum(int(np.count_nonzero(mask)) for mask in self.masks)
+
     @property
     def eliminated(self) -> int:
         """How many weights of courses are solved for besides z."""

@@ -74,7 +74,7 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
 
 def settling(values: Values, sample_period: float) -> set[float]:
     """The turns of the ringing after a jump until it has died away, and corners between them."""
-    omega = natural_frequency(values)
+    omega = mass_under_forces.natural_frequency(values)
     damping = values["b"] / (2.0 * values["m"] * omega)
     pace = omega * math.sqrt(max(0.25, 1.0 - damping**2))
     decay = omega * (damping - math.sqrt(max(0.0, damping**2 - 1.0)))
@@ -83,11 +83,6 @@ def settling(values: Values, sample_period: float) -> set[float]:
     end = min(sample_period, DECAYS / decay) if decay > 0.0 else sample_period
     step = max(half / corners, end / MOST_PIECES)
     return {i * step / sample_period for i in range(1, math.ceil(end / step))}
-
-
-def natural_frequency(values: Values) -> float:
-    """Of the mass on its springs, rad/s."""
-    return math.sqrt((values["k"] + values["k_s"]) / values["m"])
 
 
 def static_gain(values: Values) -> float:
