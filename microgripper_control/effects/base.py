@@ -190,6 +190,7 @@ class Force:
     coefficients: Callable[[Values], Sequence[float]]
     stiffness: Callable[[Values], float]  # N/m, of the order of the largest: how fine the solve is
     states: int = 0
+    brakes: bool = False  # whether its speed may count so much that it must be solved for
 
 
 Load = tuple[Force, Values]

@@ -5,11 +5,13 @@
 The left side and w are taken exactly, as without forces. Over a step that is short against the
 period, F runs along the parabola through its values at the beginning, in the middle and at the end.
 The laws are asked twice, at places that the last step's parabola foretells: such a parabola's value
-at the end hardly moves x, so that nothing is left to solve. The error falls with the fourth power
-of the step. Where a step is long against the period of the mass, which has come to rest by its end,
-F runs straight and only its end value counts. It is the root of one equation, F = law(x(F), x'(F)),
-found by secants inside a bracket; for a force that restores or brakes it has one root, and a stiff
-contact does not chatter.
+at the end hardly moves x, so that nothing is left to solve. It does change the speed: where a law
+brakes, both values are solved for. The error falls with the fourth power of the step.
+
+Where a step is long against the period of the mass, which has come to rest by its end, F runs
+straight and only its end value counts. What is solved for is the root of one equation,
+F = law(x(F), x'(F)), found by secants inside a bracket; for a force that restores or brakes it has
+one root, and a stiff contact does not chatter.
 
 Where the mass turns within a step, the way is split there for the laws that follow its path. They
 go on from where they were asked last, which is a little beside the mass.
@@ -22,8 +24,9 @@ import math
 from microgripper_control.core.compiled import call_at, compiled, inlined
 from microgripper_control.core.signals import FREE, POSITION, Array
 
-# Coefficients: one row that says how many laws there are and how many numbers they carry, one row a
-# law (address, how many numbers it carries, its coefficients), then one row a substep:
+# Coefficients: one row that says how many laws there are, how many numbers they carry and whether
+# one brakes (see `effects.base.Force`), one row a law (address, how many numbers it carries, its
+# coefficients), then one row a substep:
 DURATION = 0  # s
 MIDDLE, END = 1, 2  # the share of the change of w within the step of the bus that is done by then
 LAST = 3  # 1 if it ends the step of the bus
@@ -149,7 +152,7 @@ def _add(free: Pair, gain: Pair, f: float) -> Pair:
 def kernel(coefficients: Array, state: Array, bus: Array) -> None:
     """As `effects.base.Kernel`; the rows of both arrays are told above."""
     c, s = coefficients, state
-    first = 1 + int(c[0, 0])
+    first, solved = 1 + int(c[0, 0]), c[0, 2] > 0.0
     x, v, w, f, trend, asked = s[X], s[V], s[W], s[F], s[TREND], s[ASKED]
     i = first
     for j in range(bus.shape[1]):
@@ -161,11 +164,21 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
             if often > 0.0:
                 half, wm = 0.5 * step, w + c[i, MIDDLE] * rise
                 middle = _carry(c, i, TO_MIDDLE, (x, v), old, wm, f)
-                middle = _add(middle, _gain(c, i, TO_MIDDLE + 6), f + half * trend)
-                fm = _move(c, s, asked, (x, v), middle, half)
+                by_middle, fm = _gain(c, i, TO_MIDDLE + 6), f + half * trend
+                if solved:
+                    fm = _balance(c, s, begin, asked, middle, by_middle, half, fm)
+                    middle = _add(middle, by_middle, fm)
+                else:
+                    middle = _add(middle, by_middle, fm)
+                    fm = _move(c, s, asked, (x, v), middle, half)
                 free = _add(free, _gain(c, i, TO_END + 5), fm)
-                end = _add(free, gain, 4.0 * fm - (3.0 * f + step * trend))
-                fe = _move(c, s, middle[0], middle, end, half)
+                fe = 4.0 * fm - (3.0 * f + step * trend)
+                end = _add(free, gain, fe)
+                if solved:
+                    fe = _balance(c, s, begin, middle[0], free, gain, half, fe)
+                    end = _add(free, gain, fe)
+                else:
+                    fe = _move(c, s, middle[0], middle, end, half)
                 trend, asked = (3.0 * fe + (f - 4.0 * fm)) * often, end[0]
                 f = fe
                 x, v = _add(free, gain, f)

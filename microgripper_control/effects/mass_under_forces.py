@@ -55,7 +55,7 @@ def prepare(values: Values, timing: Timing, levels: Array, loads: Sequence[Load]
     If h has not the sign of the voltage, it has come back from the other side.
     """
     carried = sum(force.states for force, _ in loads)
-    laws = [_row([len(loads), carried])]
+    laws = [_row([len(loads), carried, float(any(force.brakes for force, _ in loads))])]
     for force, given in loads:
         address = address_of(force.law, arrays=3, numbers=4)
         laws.append(_row([address, force.states, *force.coefficients(given)]))

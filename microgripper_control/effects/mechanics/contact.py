@@ -1,11 +1,13 @@
 """An object or stop that pushes back beyond a position.
 
-    F = -side stiffness r (depth / r)^exponent max(0, 1 + damping depth'),
+    F = -side stiffness r (depth / r)^exponent min(max(0, 1 + damping depth'), 5/2),
     depth = max(0, side (x - position)),        r = 1 um
 
 Exponent 1 is a linear spring, 3/2 two curved bodies (Hertz); r is where `stiffness` is force by
 depth, so that its unit does not depend on the exponent. The damping of Hunt and Crossley grows with
-the depth: the force is continuous at the touch and never pulls.
+the depth: the force is continuous at the touch and never pulls. Theirs is 3/2 (1 - restitution)
+over the speed of the impact, so the force is never more than 5/2 of that at rest; nor is it here,
+however fast a step of the voltage throws the mass.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,6 +18,7 @@ from microgripper_control.core.signals import Array
 from microgripper_control.effects.base import Force, Link, Scales, Stage, Values
 
 REFERENCE = 1e-6  # m, r above
+HARDEST = 2.5  # times the force at rest: the beginning of an impact from which nothing springs back
 
 
 def law(
@@ -26,7 +29,8 @@ def law(
     if depth <= 0.0:
         return 0.0
     shape = 1.0 if c[2] == 1.0 else (depth / REFERENCE) ** (c[2] - 1.0)
-    force: float = -side * c[1] * depth * shape * max(0.0, 1.0 + c[3] * side * v)
+    grip = min(max(0.0, 1.0 + c[3] * side * v), HARDEST)
+    force: float = -side * c[1] * depth * shape * grip
     return force
 
 
@@ -72,7 +76,7 @@ LINK = Link(
     order=20,
     title="contact with an object or stop",
     source="Hertz 1881; Hunt and Crossley 1975",
-    force=Force(law, coefficients, stiffness),
+    force=Force(law, coefficients, stiffness, brakes=True),
     parameters=(
         Parameter("position", "m", 1.5e-5, -1.0, 1.0, "where the finger touches"),
         Parameter("stiffness", "N/m", 2e6, 0.0, 1e12, "force by depth, 1 um deep", 0.0),
