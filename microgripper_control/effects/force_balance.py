@@ -173,11 +173,11 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
                     fm = _move(c, s, asked, (x, v), middle, half)
                 free = _add(free, _gain(c, i, TO_END + 5), fm)
                 fe = 4.0 * fm - (3.0 * f + step * trend)
-                end = _add(free, gain, fe)
                 if solved:
                     fe = _balance(c, s, begin, middle[0], free, gain, half, fe)
                     end = _add(free, gain, fe)
                 else:
+                    end = _add(free, gain, fe)
                     fe = _move(c, s, middle[0], middle, end, half)
                 trend, asked = (3.0 * fe + (f - 4.0 * fm)) * often, end[0]
                 f = fe

@@ -114,7 +114,7 @@ def test_a_model_that_holds_no_more_is_noticed_and_diagnosed(
     # Where the new rig is quick to start, those of the old one are among the samples that are kept.
     watcher.until(lambda: bench.samples > 5.5 * RATE, "enough samples of the new rig")
     kept = "kept for a diagnosis, s"
-    watcher.until(lambda: float(bench.value("diagnoser", kept)) > 4.9, "the report on them")
+    watcher.until(lambda: float(bench.value("diagnoser", kept) or 0) > 4.9, "the report on them")
 
     before = bench.plant_rates()
     answer = bench.diagnose()
