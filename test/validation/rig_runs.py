@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from microgripper_control.validation.base import ACTUATORS, Actuator
-from microgripper_control.validation.block import Array
+from microgripper_control.validation.block import Array, Block
 from microgripper_control.validation.drive import KNOTS, Drive
+from microgripper_control.validation.effects.form import Element, Surroundings
 from microgripper_control.validation.effects.registry import form_of, known_effects
 from microgripper_control.validation.machine import Applied, Rig
 from microgripper_control.validation.simulate import measure, run
@@ -14,6 +15,7 @@ from microgripper_control.validation.sizing import shape_of
 
 PERIOD = 1e-3
 STEPS = 104
+STEP = 1e-5  # s, of an element run by itself
 PAPER, BIPOLAR, DATASHEET = ACTUATORS
 FORMS = [(name, form.name) for name, effect in known_effects().items() for form in effect.forms]
 
@@ -21,6 +23,22 @@ FORMS = [(name, form.name) for name, effect in known_effects().items() for form 
 def applied(effect: str, form: str, strength: float, **given: float) -> Applied:
     shape = {**shape_of(effect, form, 3), **given}
     return Applied(effect, form_of(effect, form), strength, shape)
+
+
+def element(effect: str, form: str, strength: float, step: float = STEP, **given: float) -> Element:
+    made = applied(effect, form, strength, **given)
+    chance = np.random.SeedSequence(5)
+    around = Surroundings(PAPER.scale, PERIOD, step, 1.0, 10.0, chance)
+    built = made.form.build(strength, made.shape, around)
+    assert isinstance(built, Element)
+    return built
+
+
+def answer(made: Element, signal: Array, slant: float = 1.0, step: float = STEP) -> Array:
+    """The element's output for a signal that begins at time 0."""
+    found = signal.copy()
+    made.run(Block(-step, step, found, found, np.full(len(found), slant)))
+    return found
 
 
 def lively(samples: int, actuator: Actuator = PAPER, past: int = 0, smooth: bool = False) -> Drive:

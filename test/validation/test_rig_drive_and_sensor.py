@@ -4,30 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from rig_runs import PAPER, PERIOD, applied
+from rig_runs import PERIOD, STEP, answer, element
 from scipy.integrate import solve_ivp
 from scipy.signal import bessel, butter, freqs, lsim
 
 from microgripper_control.validation.block import Array, Block
-from microgripper_control.validation.effects.form import Element, Surroundings
-
-STEP = 1e-5
-
-
-def element(effect: str, form: str, strength: float, step: float = STEP, **given: float) -> Element:
-    made = applied(effect, form, strength, **given)
-    chance = np.random.SeedSequence(5)
-    around = Surroundings(PAPER.scale, PERIOD, step, 1.0, 10.0, chance)
-    built = made.form.build(strength, made.shape, around)
-    assert isinstance(built, Element)
-    return built
-
-
-def answer(made: Element, signal: Array, slant: float = 1.0, step: float = STEP) -> Array:
-    """The element's output for a signal that begins at time 0."""
-    found = signal.copy()
-    made.run(Block(-step, step, found, found, np.full(len(found), slant)))
-    return found
+from microgripper_control.validation.effects.form import Element
 
 
 def sine(frequency: float, samples: int, step: float = STEP) -> Array:
@@ -63,20 +45,6 @@ def test_a_held_jump_goes_through_the_bessel_filter_as_scipy_says() -> None:
     assert found.max() < 1.01 * 10.0
 
 
-def test_two_stages_into_a_growing_capacitance_agree_with_solve_ivp() -> None:
-    total, first, growth = 2e-3, 0.3, 0.5
-    made = element("amplifier_lag", "b", total, first_share=first, growth=growth)
-    found = answer(made, np.full(2000, 120.0), slant=0.0)
-
-    def rates(_: float, y: list[float]) -> list[float]:
-        second = total * (1.0 - first) * (1.0 + growth * y[1] / 160.0)
-        return [(120.0 - y[0]) / (total * first), (y[0] - y[1]) / second]
-
-    t = STEP * np.arange(1, 2001)
-    solved = solve_ivp(rates, (0.0, t[-1]), [0.0, 0.0], t_eval=t, rtol=1e-9, atol=1e-9)
-    assert found == pytest.approx(solved.y[1], abs=0.05)
-
-
 def test_the_soft_current_limit_agrees_with_solve_ivp() -> None:
     made = element("slew_limit", "a", 0.2, sink=0.7, growth=0.3)
     u = np.concatenate([np.full(4000, 30.0), np.full(4000, 5.0)])
@@ -103,14 +71,10 @@ def test_the_reservoir_lends_its_boost_once_and_then_folds_back() -> None:
 
 def test_saturation_leaves_all_below_its_knee_and_bends_all_above() -> None:
     u = np.linspace(0.0, 160.0, 321)
-    for form in "ab":
-        made = element("saturation", form, 0.25, width=0.1, sag=0.0, knee=0.2)
-        v = answer(made, u)
-        knee = 120.0 if form == "a" else 112.0
-        assert v[u <= knee] == pytest.approx(u[u <= knee], abs=1e-12)
-        assert (v[u > knee] < u[u > knee]).all()
-        assert (np.diff(v) >= 0.0).all()
-    assert v[-1] == pytest.approx(120.0)
+    v = answer(element("saturation", "a", 0.25, width=0.1), u)
+    assert v[u <= 120.0] == pytest.approx(u[u <= 120.0], abs=1e-12)
+    assert (v[u > 120.0] < u[u > 120.0]).all()
+    assert (np.diff(v) >= 0.0).all()
 
 
 def test_the_pipeline_is_late_by_its_delay_on_average() -> None:
@@ -119,13 +83,6 @@ def test_the_pipeline_is_late_by_its_delay_on_average() -> None:
     late = t - answer(made, t.copy())
     assert late[3000:].mean() == pytest.approx(6e-3, rel=2e-3)
     assert late[3000:].max() - late[3000:].min() == pytest.approx(1e-3, rel=0.03)
-
-
-def test_the_command_link_is_late_by_its_delay_within_its_jitter() -> None:
-    t = STEP * np.arange(1, 200_001)
-    late = t - answer(element("transport_delay", "b", 4e-3, jitter=0.05), t.copy())
-    assert late[1000:].mean() == pytest.approx(4e-3, rel=0.05)
-    assert 0.01 < late[1000:].std() / 4e-3 < 0.1
 
 
 @pytest.mark.parametrize("frequency", [40.0, 150.0])
@@ -158,16 +115,6 @@ def test_the_converter_is_off_by_half_a_step_and_its_bow_at_most() -> None:
     off = answer(element("sensor_quantization", "a", size, bow=0.3), x) - x
     assert np.abs(off).max() <= (0.5 + 0.3) * size * 1.0001
     assert len(np.unique(np.round((x + off) / size, 6))) < 70
-
-
-def test_the_counter_has_hysteresis() -> None:
-    size = 1e-7
-    made = element("sensor_quantization", "b", size, dead=0.3)
-    x = np.concatenate([np.linspace(0.0, 1e-6, 1001), np.linspace(1e-6, 0.0, 1001)])
-    found = answer(made, x)
-    up, down = found[:1001], found[1001:][::-1]
-    assert np.all(down >= up - 1e-18)
-    assert (down - up).mean() == pytest.approx(0.6 * size, rel=0.25)
 
 
 def test_the_hum_is_at_the_mains_and_wanders_by_hundredths_of_a_hertz() -> None:

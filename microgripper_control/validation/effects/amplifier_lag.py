@@ -2,11 +2,11 @@
 
 a: a Bessel low-pass of fourth order (Thomson, Proc. IEE 96, 1949), as measuring amplifiers use
    because it hardly overshoots; strength is its delay at low frequency.
-b: a first RC stage, then the output resistance into the stack, whose large-signal capacitance grows
-   with the voltage (Goldfarb and Celanovic, ASME J. Dyn. Syst. Meas. Control 119, 1997, put the
-   capacitance there; soft ceramics gain tens of per cent over their range):
-       t1 v1' = u - v1,   t2 (1 + growth (v - low) / span) v' = v1 - v
-   strength is t1 + t2.
+b: an output stage whose lower half has more resistance into the stack than its upper half, as where
+   a transistor pulls up and a resistor or a weaker transistor pulls down (Horowitz and Hill, The
+   Art of Electronics, 1989, chapter 2, on followers that source more than they sink):
+       v' = (u - v) / t,   t = t1 while u > v,   t = weaker t1 while u < v
+   strength is the mean of both time constants.
 """
 
 from __future__ import annotations
@@ -61,38 +61,27 @@ def slant_of_lag(steps: float) -> float:
 
 
 @compiled
-def march_two_stages(p: Array, state: Array, slant: Array, signal: Array) -> None:
-    """p: steps over t1, steps over t2, growth, low, span; state: u, v1, v."""
-    u0, v1, v = state[0], state[1], state[2]
+def march_unequal(p: Array, state: Array, slant: Array, signal: Array) -> None:
+    """p: steps over the time constant when sourcing, when sinking; state: u, v."""
+    u0, v = state[0], state[1]
     for j in range(len(signal)):
         u1 = signal[j]
-        before = v1
-        v1 = relaxed(v1, u1 - slant[j] * (u1 - u0), u1, p[0])
-        between = max(slant[j], slant_of_lag(p[0]))
-        steps = p[1] / (1.0 + p[2] * (v - p[3]) / p[4])
-        v = relaxed(v, v1 - between * (v1 - before), v1, steps)
-        slant[j] = max(between, slant_of_lag(steps))
+        steps = p[0] if u1 > v else p[1]
+        v = relaxed(v, u1 - slant[j] * (u1 - u0), u1, steps)
+        slant[j] = max(slant[j], slant_of_lag(steps))
         signal[j] = v
         u0 = u1
-    state[0], state[1], state[2] = u0, v1, v
+    state[0], state[1] = u0, v
 
 
-def into_capacitance(total: float, given: Shape, around: Surroundings) -> Element:
+def unequal_halves(mean: float, given: Shape, around: Surroundings) -> Element:
     """Form b."""
-    first = given["first_share"] * total
-    numbers = np.array(
-        [
-            around.step / first,
-            around.step / (total - first),
-            given["growth"],
-            around.scale.low,
-            around.scale.span,
-        ]
-    )
-    state = np.zeros(3)
+    sourcing = 2.0 * mean / (1.0 + given["weaker"])
+    numbers = around.step / (sourcing * np.array([1.0, given["weaker"]]))
+    state = np.zeros(2)
 
     def run(block: Block) -> None:
-        march_two_stages(numbers, state, block.slant, block.signal)
+        march_unequal(numbers, state, block.slant, block.signal)
 
     return Element(Slot.VOLTAGE, run)
 
@@ -111,13 +100,10 @@ EFFECT = Effect(
         ),
         Form(
             "b",
-            "RC stage, then a resistance into a capacitance that grows with the voltage",
-            strength("s", 1e-3, 0.05, "sum of both time constants"),
-            (
-                shape("first_share", "1", 0.2, 0.5, "of the first stage in the sum"),
-                shape("growth", "1", 0.2, 0.6, "of the capacitance over the range"),
-            ),
-            into_capacitance,
+            "one time constant when sourcing, a longer one when sinking",
+            strength("s", 1e-3, 0.05, "mean of both time constants"),
+            (shape("weaker", "1", 1.2, 1.8, "time constant sinking over sourcing"),),
+            unequal_halves,
         ),
     ),
 )

@@ -3,15 +3,16 @@
 a: compression by a hyperbolic tangent beyond a knee, wide at the top and narrow at the bottom:
        v = knee + width tanh((u - knee) / width)
    (Rapp's and the tanh model are the usual ones of amplifiers; Cripps, RF Power Amplifiers, 1999).
-b: a rail that sags under load, because the supply behind it has a resistance: a quadratic knee at
-       rail = high - strength span (1 + sag load)
-   where load is the mean charging rate over 30 ms, in ranges a second, at most 1.
+b: suppressor diodes across the output, behind the resistance of the output stage: the voltage still
+   grows a little beyond the knee (a diode with a series resistance: Banwell and Jayakumar,
+   Electron. Lett. 36, 2000; by Wright's omega function, omega + ln omega = z):
+       v + width exp((v - knee) / width) = u,   v = u - width omega((u - knee) / width)
 Strength is how far the top knee lies below the top of the range, as a share of the range.
 """
 
 from __future__ import annotations
 
-from math import exp, tanh
+from math import exp, log, tanh
 
 import numpy as np
 
@@ -32,7 +33,8 @@ from microgripper_control.validation.effects.form import (
 
 BOTTOM = 0.3  # the bottom knee's distance from its end of the range, of the top's
 BOTTOM_WIDTH = 0.06  # of the range
-LOAD_MEMORY = 0.03  # s
+BEGINNING = 2.0  # widths below their knee the diodes begin to show
+NOTHING = -40.0  # of omega's argument: below, it is less than 1e-17
 
 
 @compiled
@@ -66,48 +68,42 @@ def tanh_knees(depth: float, given: Shape, around: Surroundings) -> Element:
 
 
 @compiled
-def march_rail(p: Array, state: Array, signal: Array) -> None:
-    """p: high, depth, sag, half width of the knee, load's memory in steps, span; state: u, load."""
-    u0, load = state[0], state[1]
-    keep = exp(-1.0 / p[4])
+def omega(z: float) -> float:
+    """Wright's function by Newton's method, which from these starts is done after five steps."""
+    if z < NOTHING:
+        return 0.0
+    w = exp(z) if z < 1.0 else z - log(z)
+    for _ in range(5):
+        w *= (1.0 + z - log(w)) / (1.0 + w)
+    return w
+
+
+@compiled
+def suppress(p: Array, signal: Array) -> None:
+    """p: knee, width, V."""
+    u, lost = 0.0, p[1] * omega(-p[0] / p[1])
     for j in range(len(signal)):
-        u = signal[j]
-        load = keep * load + (1.0 - keep) * abs(u - u0) * p[6] / p[5]
-        rail = p[0] - p[1] * (1.0 + p[2] * min(load, 1.0))
-        over = u - rail + p[3]
-        if over >= 2.0 * p[3]:
-            signal[j] = rail
-        elif over > 0.0:
-            signal[j] = u - over * over / (4.0 * p[3])
-        u0 = u
-    state[0], state[1] = u0, load
+        if signal[j] != u:  # a held voltage is worked out once
+            u = signal[j]
+            lost = p[1] * omega((u - p[0]) / p[1])
+        signal[j] = u - lost
 
 
-def sagging_rail(depth: float, given: Shape, around: Surroundings) -> Element:
+def suppressor(depth: float, given: Shape, around: Surroundings) -> Element:
     """Form b."""
-    span = around.scale.span
-    numbers = np.array(
-        [
-            around.scale.high,
-            depth * span,
-            given["sag"],
-            given["knee"] * depth * span,
-            LOAD_MEMORY / around.step,
-            span,
-            1.0 / around.step,
-        ]
-    )
-    state = np.zeros(2)
+    knee = around.scale.high - depth * around.scale.span
+    numbers = np.array([knee, given["bend"] * depth * around.scale.span])
 
     def run(block: Block) -> None:
-        march_rail(numbers, state, block.signal)
+        suppress(numbers, block.signal)
 
     return Element(Slot.VOLTAGE, run)
 
 
 def beyond_knee(depth: float, given: Shape, reach: Reach) -> list[Place]:
-    """From the knee to the highest voltage applied."""
-    knee = reach.scale.high - depth * reach.scale.span * (1.0 + given.get("knee", 0.0))
+    """From where the top bends to the highest voltage applied."""
+    below = BEGINNING * given.get("bend", 0.0)
+    knee = reach.scale.high - depth * reach.scale.span * (1.0 + below)
     return [Place("voltage_V", knee, reach.voltage[1])] if knee < reach.voltage[1] else []
 
 
@@ -126,13 +122,10 @@ EFFECT = Effect(
         ),
         Form(
             "b",
-            "a rail that sags with the charging current",
-            strength("1", 0.1, 0.5, "the rail below the top of the range, share of the range"),
-            (
-                shape("sag", "1", 0.1, 0.5, "of the rail's depth at one range a second"),
-                shape("knee", "1", 0.1, 0.3, "half width of the knee, share of the rail's depth"),
-            ),
-            sagging_rail,
+            "suppressor diodes behind a resistance",
+            strength("1", 0.1, 0.5, "the knee below the top of the range, share of the range"),
+            (shape("bend", "1", 0.08, 0.25, "width of the knee over its depth"),),
+            suppressor,
             beyond_knee,
         ),
     ),

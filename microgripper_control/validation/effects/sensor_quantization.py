@@ -2,9 +2,10 @@
 
 a: a converter with integral nonlinearity: its thresholds bow off the ideal ones by up to 0.35 of a
    step over some tens of codes (IEEE Std 1241-2010).
-b: a counter with hysteresis, as in encoders and fringe counters: it moves on only when the position
-   is more than 0.5 + dead steps away from the count.
-Strength: the step, in m.
+b: a gain-ranging converter: the amplifier before it doubles its gain whenever the position fits
+   into half of the range, three times at most, and each time the step is halved (Kester, The Data
+   Conversion Handbook, 2005, on programmable gain before converters).
+Strength: the step, in m; b: that of the widest range.
 """
 
 from __future__ import annotations
@@ -25,6 +26,8 @@ from microgripper_control.validation.effects.form import (
     shape,
     strength,
 )
+
+DOUBLINGS = 3  # of the gain
 
 
 @compiled
@@ -47,24 +50,24 @@ def bowed_converter(size: float, given: Shape, around: Surroundings) -> Element:
 
 
 @compiled
-def march_count(p: Array, state: Array, readings: Array) -> None:
-    """p: step in m, dead; state: count."""
-    count = state[0]
+def convert_in_ranges(p: Array, readings: Array) -> None:
+    """p: step of the widest range in m, displacement from which on it is needed in m."""
     for j in range(len(readings)):
-        away = readings[j] / p[0] - count
-        if abs(away) > 0.5 + p[1]:
-            count = floor(readings[j] / p[0] + 0.5)
-        readings[j] = p[0] * count
-    state[0] = count
+        step, needed = p[0], p[1]
+        for _ in range(DOUBLINGS):
+            if abs(readings[j]) >= needed:
+                break
+            step, needed = 0.5 * step, 0.5 * needed
+        readings[j] = step * floor(readings[j] / step + 0.5)
 
 
-def counter(size: float, given: Shape, around: Surroundings) -> Element:
-    """Form b."""
-    numbers = np.array([size, given["dead"]])
-    state = np.zeros(1)
+def gain_ranging(size: float, given: Shape, around: Surroundings) -> Element:
+    """Form b; the ranges are centred on the rig's zero."""
+    farthest = max(around.scale.top, -around.scale.bottom)
+    numbers = np.array([size, given["widest"] * farthest])
 
     def run(block: Block) -> None:
-        march_count(numbers, state, block.signal)
+        convert_in_ranges(numbers, block.signal)
 
     return Element(Slot.CONVERTER, run)
 
@@ -88,10 +91,10 @@ EFFECT = Effect(
         ),
         Form(
             "b",
-            "counter with hysteresis",
-            strength("m", 6e-8, 1e-5, "one step"),
-            (shape("dead", "1", 0.1, 0.4, "beyond half a step before it counts, in steps"),),
-            counter,
+            "gain-ranging converter, whose step doubles from range to range",
+            strength("m", 6e-8, 1e-5, "one step of the widest range"),
+            (shape("widest", "1", 0.4, 0.7, "begin of the widest range over the farthest way"),),
+            gain_ranging,
             repeatable=False,
         ),
     ),

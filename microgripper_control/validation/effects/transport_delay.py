@@ -3,8 +3,11 @@
 a: in the sensor's pipeline, with a conversion clock of its own: the reading is a constant time late
    and is held between conversions (a sixth of the delay apart), as digital laser sensors do
    (Micro-Epsilon optoNCDT 1402: four cycles of a 1.5 kHz clock).
-b: in the command's link, with jitter: a delay that wanders by some per cent over half a second, as
-   on a shared bus (Nilsson, Real-Time Control Systems with Delays, Lund 1998).
+b: in the command's link, a field bus whose drive interpolates: the command is read once a cycle,
+   and the output runs straight from each point to the next (CiA 402, interpolated position mode).
+   With u_k the command at t_k = (k + phase) cycle:
+       v(t + delay) = u_k + (u_k+1 - u_k) (t - t_k) / cycle   for t_k < t < t_k+1
+   so that a ramp is late by exactly the delay.
 """
 
 from __future__ import annotations
@@ -13,7 +16,6 @@ import numpy as np
 
 from microgripper_control.core.compiled import compiled
 from microgripper_control.validation.block import Array, Block
-from microgripper_control.validation.chance import slow_course
 from microgripper_control.validation.delay_line import march_delay
 from microgripper_control.validation.effects.form import (
     Effect,
@@ -27,8 +29,7 @@ from microgripper_control.validation.effects.form import (
 )
 
 CONVERSIONS = 6.0  # during the delay
-SHORTEST = 0.01  # period of the conversions, in steps: nothing
-JITTER_CORNER = 2.0  # Hz
+SHORTEST = 0.01  # period of conversions or cycle of a bus, in steps: nothing
 LONGEST = 0.1  # s
 
 
@@ -66,14 +67,35 @@ def sensor_pipeline(delay: float, given: Shape, around: Surroundings) -> Element
     return Element(Slot.POSITION, run)
 
 
-def jittery_link(delay: float, given: Shape, around: Surroundings) -> Element:
-    """Form b."""
+@compiled
+def march_points(p: Array, state: Array, slant: Array, signal: Array) -> None:
+    """p: cycle in steps; state: steps until the next point, the last one, the one before, u."""
+    left, point, older, u0 = state[0], state[1], state[2], state[3]
+    for j in range(len(signal)):
+        u1 = signal[j]
+        begin = u1 - slant[j] * (u1 - u0)
+        while left <= 1.0:
+            older = point
+            point = begin + left * (u1 - begin)
+            left += p[0]
+        left -= 1.0
+        signal[j] = point - (point - older) * left / p[0]
+        slant[j] = max(slant[j], min(p[0], 1.0))
+        u0 = u1
+    state[0], state[1], state[2], state[3] = left, point, older, u0
+
+
+def interpolating_link(delay: float, given: Shape, around: Surroundings) -> Element:
+    """Form b: a cycle of the delay is the way from point to point, the rest that to the drive."""
     line, place = _line(around), np.zeros(1)
-    jitter = slow_course(around.generator(), -around.past, around.duration, JITTER_CORNER)
+    cycle = max(given["cycle"] * delay / around.step, SHORTEST)
+    steps = max(delay / around.step - cycle, 0.0)
+    numbers = np.array([cycle])
+    state = np.array([given["cycle_phase"] * cycle, 0.0, 0.0, 0.0])
 
     def run(block: Block) -> None:
-        wander = np.clip(given["jitter"] * jitter(block.times), -0.9, 0.9)
-        march_delay(line, place, delay / around.step * (1.0 + wander), block.signal)
+        march_points(numbers, state, block.slant, block.signal)
+        march_delay(line, place, np.full(len(block.signal), steps), block.signal)
 
     return Element(Slot.VOLTAGE, run)
 
@@ -92,11 +114,13 @@ EFFECT = Effect(
         ),
         Form(
             "b",
-            "command link with jitter",
-            strength("s", 2e-3, LONGEST, "mean delay"),
-            (shape("jitter", "1", 0.02, 0.1, "standard deviation of the delay over its mean"),),
-            jittery_link,
-            repeatable=False,
+            "command link whose drive interpolates from point to point",
+            strength("s", 2e-3, LONGEST, "delay of a ramp"),
+            (
+                shape("cycle", "1", 0.15, 0.4, "of the bus, over the delay"),
+                shape("cycle_phase", "1", 0.0, 1.0, "of the bus, in cycles"),
+            ),
+            interpolating_link,
         ),
     ),
 )
