@@ -38,6 +38,7 @@ from rclpy.utilities import try_shutdown
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.nodes.health import PERIOD, Health, Reporter
+from microgripper_control.nodes.leaving import no_longer_than
 from microgripper_control.nodes.parameters import (
     accept_whole_numbers,
     declare_number,
@@ -60,6 +61,7 @@ PRIORITY = Parameter(
     "realtime_priority", "1", 0.0, 0.0, HIGHEST, "of SCHED_FIFO, if permitted; 0: as others"
 )
 POLL = 0.02  # s: the longest time for which a signal goes unnoticed
+PATIENCE = 10.0  # s, with the middleware's end
 FAILED, BAD_INPUT = 1, 2  # exit status
 TRANSPORTS = "FASTDDS_BUILTIN_TRANSPORTS"  # the first, and what else decides on them
 ASKED = (TRANSPORTS, "FASTDDS_DEFAULT_PROFILES_FILE", "FASTRTPS_DEFAULT_PROFILES_FILE")
@@ -140,21 +142,23 @@ def run(make: Callable[[], Shell], args: list[str] | None = None) -> NoReturn:
 
 def _run(make: Callable[[], Shell], args: list[str] | None) -> int:
     with _asked_to_end() as asked:
-        node = None
+        node, status = None, FAILED
         if not any(name in os.environ for name in ASKED):
             os.environ[TRANSPORTS] = "UDPv4"
         try:
             rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
             node = make()
-            return _spin(node, asked)
+            status = _spin(node, asked)
         except MicrogripperError as error:
-            return _bad_input(node, str(error))
+            status = _bad_input(node, str(error))
         except (ParameterException, rclpy_implementation.RCLError) as error:
-            return _bad_input(node, str(error))
+            status = _bad_input(node, str(error))
         finally:
-            if node is not None:
-                node.destroy_node()
-            try_shutdown()
+            with no_longer_than(PATIENCE, status):
+                if node is not None:
+                    node.destroy_node()
+                try_shutdown()
+        return status
 
 
 def _spin(node: Shell, asked: list[int]) -> int:

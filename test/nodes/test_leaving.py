@@ -1,0 +1,39 @@
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+
+import pytest
+
+PROGRAM = """
+import ctypes, time
+from microgripper_control.nodes.leaving import no_longer_than
+print("worked", end="")
+with no_longer_than({seconds}, 7):
+    {what}
+"""
+HANGS = "ctypes.PyDLL(None).sleep(60)"  # keeps the interpreter's lock
+
+
+def ended(what: str, seconds: float = 0.2) -> subprocess.CompletedProcess[str]:
+    program = PROGRAM.format(seconds=seconds, what=what)
+    return subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, timeout=50, check=False
+    )
+
+
+@pytest.mark.parametrize(("what", "status"), [("time.sleep(60)", 7), (HANGS, 1)])
+def test_a_process_that_hangs_at_its_end_is_ended_and_says_where(what: str, status: int) -> None:
+    before = time.monotonic()
+    process = ended(what)
+    assert time.monotonic() - before < 30.0
+    assert process.returncode == status
+    assert 'File "<string>", line 6' in process.stderr
+    if status == 7:  # nothing that was printed is lost
+        assert process.stdout == "worked"
+
+
+def test_a_process_that_ends_in_time_is_left_alone() -> None:
+    process = ended("pass\ntime.sleep(1.0)")
+    assert (process.returncode, process.stdout, process.stderr) == (0, "worked", "")
