@@ -20,7 +20,6 @@ from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.trial import fitted_keys
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.nuisance import (
-    PROBE,
     Conditions,
     courses,
     fit_nuisance,
@@ -30,7 +29,7 @@ from microgripper_control.plant.model import Key, Model
 from microgripper_control.plant.simulate import Hold, Initial, simulate
 
 BASE: tuple[Key, ...] = tuple(("bouc_wen", name) for name in ("d", "alpha", "beta", "gamma"))
-DIFFERENCE = 1e-3  # of a parameter's size
+DIFFERENCE = 1e-3  # of a parameter's size, or of the largest initial h
 SETTLING = 0.05  # of the samples: the first ones depend on how it began and do not count
 
 
@@ -159,7 +158,7 @@ class Rehearsal:
         before = self._run(plain)
         changed = [self._run(_moved(plain, key)) - before for key in BASE]
         recording = Recording("rehearsal", self.sample_period, self.voltage)
-        changed.append(self._run(plain, PROBE * largest_hysteresis(plain, recording)) - before)
+        changed.append(self._run(plain, DIFFERENCE * largest_hysteresis(plain, recording)) - before)
         return [column[self._first :] for column in (np.ones(len(self.voltage)), *changed)]
 
     def _own_columns(self, index: int) -> list[Array]:

@@ -3,14 +3,16 @@
 No input explains a recording's displacement zero, the h it starts with, the phase of a hum or the
 course of a drift, so they are fitted wherever a model is compared with a recording. All but the
 initial h enter linearly, as weights of known courses, and are solved for exactly; the initial h is
-looked for over all of its range and refined by a few Gauss-Newton steps.
+looked for over all of its range and refined by secants.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,10 +26,10 @@ from microgripper_control.plant.simulate import Hold, Initial, simulate
 Mask = NDArray[np.bool_]
 
 BLOCKS = 10
-LOOKS = 9  # at the initial h, all over its range,
-GAUSS_NEWTON_STEPS = 4  # from the best of them
-WAYS = (1.0, 0.3)  # shares of such a step that are tried
-PROBE = 1e-3  # of the largest h: the finite difference for its influence
+LOOKS = 5  # at the initial h, all over its range,
+SECANTS = 6  # steps of the secant method from between the best of them, at most,
+CLOSE = 1e-4  # of the largest h: what changes by less need not be tried
+BESIDE = 0.02  # of the largest h
 HARDLY_SEEN = 3e-5  # of the best seen courses: what died away before the samples gets no weight
 FORGOTTEN = 1e-4  # of the most that h changes: what changes less need not be simulated again
 
@@ -202,30 +204,50 @@ def _by_hysteresis(
 def _fit_hysteresis(left: Callable[[float], Array], bound: float) -> float:
     """The initial h, m, within +-bound that leaves the least squares.
 
-    They may have a minimum on each side of zero, so all of the range is looked at first.
+    They may have a minimum on each side of zero, so all of the range is looked at first. Between
+    two looks what is left runs about straight: where it is least follows from both.
     """
-
-    def squares(error: Array) -> float:
-        return float(error @ error)
-
-    h, error = min(
-        ((float(h), left(float(h))) for h in np.linspace(-bound, bound, LOOKS)),
-        key=lambda pair: squares(pair[1]),
-    )
-    for _ in range(GAUSS_NEWTON_STEPS):
-        probe = PROBE * bound if h < 0.0 else -PROBE * bound  # stays within the bound
-        slope = (left(h + probe) - error) / probe
-        power = squares(slope)
-        step = -float(slope @ error) / power if power > 0.0 else 0.0
-        for share in WAYS:
-            nearer = min(bound, max(-bound, h + share * step))
-            rest = left(nearer)
-            if squares(rest) < squares(error):
-                h, error = nearer, rest
-                break
-        else:
+    tried = {float(h): left(float(h)) for h in np.linspace(-bound, bound, LOOKS)}
+    h = _least_between(tried)
+    if h in tried:  # the ways on both sides lead there: what is close to it tells how it goes on
+        close = (h - BESIDE * bound, h + BESIDE * bound)
+        tried |= {h: left(h) for h in close if abs(h) <= bound}
+        h = _least_between(tried)
+    for _ in range(SECANTS):
+        if min(abs(h - other) for other in tried) < CLOSE * bound:
             return h
-    return h
+        tried[h] = left(h)
+        best = _least(tried)
+        nearest = min((other for other in tried if other != best), key=lambda h: abs(h - best))
+        h = min(bound, max(-bound, _between(tried, best, nearest, math.inf)[0]))
+    return _least(tried)
+
+
+def _least(tried: Mapping[float, Array]) -> float:
+    """The h that left the least squares."""
+    return min(tried, key=lambda h: float(tried[h] @ tried[h]))
+
+
+def _least_between(tried: Mapping[float, Array]) -> float:
+    """The h for which the straight ways between neighbours promise the least squares."""
+    ways = [_between(tried, *pair, 1.0) for pair in pairwise(sorted(tried))]
+    return min(ways, key=lambda way: way[1])[0]
+
+
+def _between(
+    tried: Mapping[float, Array], h: float, other: float, furthest: float
+) -> tuple[float, float]:
+    """Where on the straight way from one h to another the squares are least, and these.
+
+    No further than so many times the way.
+    """
+    error, change = tried[h], tried[other] - tried[h]
+    power = float(change @ change)
+    share = -float(error @ change) / power if power > 0.0 else 0.0
+    if furthest < math.inf:
+        share = min(furthest, max(0.0, share))
+    rest = error + share * change
+    return h + share * (other - h), float(rest @ rest)
 
 
 def blocks(length: int, odd: bool) -> Mask:
