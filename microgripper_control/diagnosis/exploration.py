@@ -20,6 +20,7 @@ from microgripper_control.diagnosis.part import (
     is_dear,
     is_dear_with,
     is_force,
+    is_too_dear_with,
     refined,
 )
 from microgripper_control.diagnosis.pool import Pool
@@ -143,7 +144,11 @@ def _settled(pool: Pool) -> Pool:
 
 def _joining(evidence: Evidence, leader: Trial, names: Sequence[str]) -> list[str]:
     """The effects that may join a leader; a dear force may not be the third."""
-    others = [name for name in names if name not in leader.effects]
+    others = [
+        name
+        for name in names
+        if name not in leader.effects and not is_too_dear_with(evidence, leader, name)
+    ]
     if len(leader.effects) < 2:
         return others
     return [name for name in others if not is_dear_with(evidence, leader, name)]

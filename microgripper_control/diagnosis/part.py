@@ -39,6 +39,7 @@ class Effort(NamedTuple):
 PART = 15_000  # samples that are fitted then
 GLANCE = 6000  # samples on which it is seen what a force promises
 MANY = 40_000  # samples
+MOST_ROWS = 5e6  # of coefficients in a simulation: an effect that makes it longer joins no other
 MANY_ROWS = 10  # of coefficients a sample: by place, and at rest at its end, a force takes five
 TO_THE_END, ENOUGH = Effort(1e-5, 20, 0.99), Effort(1e-3, 8, 0.9)
 ROUNDS = 3
@@ -83,14 +84,29 @@ def is_force(effect: str) -> bool:
 
 def is_dear(evidence: Evidence, model: Model) -> bool:
     """Whether a model has forces that are balanced many times in each sample."""
-    if not any(is_force(name) for name in model.effects):
-        return False
-    ramped = evidence.conditions.hold is not Hold.ZERO
-    chain = Chain(model, evidence.scales.sample_period, np.zeros(ROWS), ramped=ramped)
-    return chain.labour > MANY_ROWS
+    return any(is_force(name) for name in model.effects) and _labour(evidence, model) > MANY_ROWS
 
 
 def is_dear_with(evidence: Evidence, trial: Trial, effect: str) -> bool:
     """The same of a trial's model with one more effect, at its first start."""
+    model = _with(evidence, trial, effect)
+    return model is not None and is_dear(evidence, model)
+
+
+def is_too_dear_with(evidence: Evidence, trial: Trial, effect: str) -> bool:
+    """Whether a single simulation of all fitted samples would take about a second then."""
+    model = _with(evidence, trial, effect)
+    samples = sum(len(recording) for recording in evidence.fitted)
+    return model is not None and samples * _labour(evidence, model) > MOST_ROWS
+
+
+def _with(evidence: Evidence, trial: Trial, effect: str) -> Model | None:
+    """A trial's model with one more effect, at its first start; None if that has none."""
     starts = registry()[effect].starts(evidence.scales)
-    return bool(starts) and is_dear(evidence, trial.model.with_link(effect, **starts[0]))
+    return trial.model.with_link(effect, **starts[0]) if starts else None
+
+
+def _labour(evidence: Evidence, model: Model) -> float:
+    """Rows of coefficients a sample."""
+    ramped = evidence.conditions.hold is not Hold.ZERO
+    return Chain(model, evidence.scales.sample_period, np.zeros(ROWS), ramped=ramped).labour
