@@ -13,7 +13,7 @@ form alone.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -57,14 +57,32 @@ def starts(scales: Scales) -> Sequence[Values]:
     ]
 
 
+def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
+    """A turn is forgotten within the swing, as the paper's beta has it.
+
+    With a longer reach s would be the voltage itself, and the loop a bent line; with a shorter one
+    the branches would jump apart.
+    """
+    return {"reach": (0.02 * scales.swing, 0.6 * scales.swing)}
+
+
 def says(values: Values, scales: Scales) -> str:
-    u = np.linspace(*scales.voltage, 50)
-    apart = 2.0 * ((values["twist"] * u + values["bulge"]) * u + values["tilt"]) * u
+    share = percent(float(np.ptp(apart(values, scales))) / scales.stroke)
     return (
         "the hysteresis is lopsided: between rising and falling voltage the branches part by up to "
-        f"{percent(float(np.ptp(apart)) / scales.stroke)} of the stroke more in one place than in "
-        "another"
+        f"{share} of the stroke more in one place than in another"
     )
+
+
+def apart(values: Values, scales: Scales) -> Array:
+    """How far the branches of the largest loop are apart, m, at voltages evenly over it."""
+    u = np.linspace(*scales.voltage, 50)
+    reach, low, high = values["reach"], u[0], u[-1]
+    turned = 1.0 + math.tanh((high - low) / (2.0 * reach))
+    rising, falling = 1.0 - turned * np.exp((low - u) / reach), turned * np.exp((u - high) / reach)
+    falling -= 1.0
+    weight = ((values["twist"] * u + values["bulge"]) * u + values["tilt"]) * u
+    return np.asarray(weight * (rising - falling) + values["skew"] * (rising**2 - falling**2))
 
 
 LINK = Link(
@@ -83,5 +101,6 @@ LINK = Link(
     prepare=prepare,
     kernel=kernel,
     starts=starts,
+    plausible=plausible,
     says=says,
 )

@@ -31,6 +31,8 @@ from microgripper_control.core.quantities import percent, quantity
 from microgripper_control.core.signals import FREE, HYSTERESIS, VOLTAGE, Array, Timing
 from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
 
+LONGEST = 0.02  # of a recording
+
 
 @compiled
 def grown(x: float, power: float) -> float:
@@ -103,7 +105,7 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
 
 
 def starts(scales: Scales) -> Sequence[Values]:
-    """Memories from a few samples to the length of a recording; h fed more, scaled, or late.
+    """Memories from a few samples to the longest plausible one; h fed more, scaled, or late.
 
     The pivot lies between slow and fast: the refitted plant is right at rates that it has met.
     """
@@ -118,16 +120,22 @@ def starts(scales: Scales) -> Sequence[Values]:
         fed | {"reference": 300.0, "strength": 0.0, "late": 0.1},
     )
     return [
-        {"strength": 0.05, "memory": min(100.0, memory)} | pivot | way
+        {"strength": 0.05, "memory": memory} | pivot | way
         for way in ways
-        for memory in np.geomspace(shortest, max(scales.duration, 2.0 * shortest), 5)
+        for memory in np.geomspace(shortest, longest(scales), 5)
     ]
+
+
+def longest(scales: Scales) -> float:
+    """The longest memory, s, of what can be called a rate: what lasts longer drifts or creeps."""
+    return max(LONGEST * scales.duration, 20.0 * scales.sample_period)
 
 
 def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
     """What makes e grow by more than a power of e^10 over the swing would run away."""
     most = 10.0 / scales.swing
-    return {"fading": (-most, most), "turning": (-most, most)}
+    memory = (1e-4, longest(scales))
+    return {"memory": memory, "fading": (-most, most), "turning": (-most, most)}
 
 
 def idle(values: Values) -> Collection[str]:

@@ -9,6 +9,8 @@ import pytest
 from scipy.optimize import least_squares
 
 from microgripper_control.core.signals import Array
+from microgripper_control.effects.base import Scales
+from microgripper_control.effects.material.asymmetric_hysteresis import apart
 from microgripper_control.effects.registry import link_named
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.simulate import Hold, Initial, simulate
@@ -124,3 +126,31 @@ def test_planted_values_are_found(
     found, errors = recover(rig, LINK, start, lively, 1e-3)
     assert np.all(np.abs(found - truth) < 4.0 * errors)
     assert np.all(errors < 0.2 * np.abs(truth))
+
+
+@pytest.mark.parametrize("reach", [12.0, 80.0, 300.0])
+def test_it_tells_how_far_the_branches_of_a_loop_are_apart(paper: Model, reach: float) -> None:
+    values = VALUES | {"reach": reach}
+    scales = Scales(1e-2, 10.0, (-20.0, 130.0), 100.0, (0.0, STROKE), 5e7, 0.0038)
+    rise = np.linspace(-20.0, 130.0, 1500, endpoint=False)
+    loop = np.append(rise, -20.0 + 130.0 - rise)
+    settled = {"hold": Hold.FIRST, "initial": Initial.PERIODIC}
+    x = simulate(paper.with_link(LINK, **values), loop, 1e-2, **settled)  # type: ignore[arg-type]
+    x -= simulate(paper, loop, 1e-2, **settled)  # type: ignore[arg-type]
+    u, up = np.linspace(-20.0, 130.0, 50), np.interp(np.linspace(-20.0, 130.0, 50), rise, x[:1500])
+    down = np.interp(u, loop[:1499:-1], x[:1499:-1])
+    expected = (5e7 + 8.2e5) / 5e7 * (down - up)
+    found = link_named(LINK)
+    np.testing.assert_allclose(
+        apart(values, scales)[1:-1], expected[1:-1], rtol=0.0, atol=2e-3 * np.ptp(expected)
+    )
+    share = np.ptp(expected) / STROKE
+    assert f"{100.0 * share:.2g} % of the stroke" in found.says(values, scales)
+
+
+def test_a_bent_line_does_not_pass_for_a_loop() -> None:
+    """With a reach far beyond the swing s is the voltage: a polynomial without any hysteresis."""
+    scales = Scales(1e-3, 10.0, (0.0, 100.0), 100.0, (0.0, STROKE), 5e7, 0.0038)
+    least, most = link_named(LINK).plausible(scales)["reach"]
+    assert 1.0 < least < 8.0  # starts must lie within
+    assert 1.0 - np.exp(-100.0 / most) > 0.8  # of a turn is forgotten within the swing

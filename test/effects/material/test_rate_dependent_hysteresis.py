@@ -9,6 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from microgripper_control.core.signals import FREE, HYSTERESIS, ROWS, VOLTAGE, Array, Timing
+from microgripper_control.effects.base import Scales
 from microgripper_control.effects.registry import link_named
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.simulate import Hold, Initial, simulate
@@ -208,3 +209,13 @@ def test_planted_values_of_a_scaled_loop_are_found(
     found, errors = recover(rig, LINK, {"strength": 0.05, "memory": 0.02}, lively, 1e-3)
     assert np.all(np.abs(found - truth) < 4.0 * errors)
     assert np.all(errors < 0.1 * truth)
+
+
+def test_what_lasts_for_long_is_no_rate() -> None:
+    """A rate averaged over half the recording would follow any drift."""
+    for period, duration in ((1e-3, 44.0), (5e-3, 0.5), (1e-4, 4000.0)):
+        scales = Scales(period, duration, (0.0, 100.0), 100.0, (0.0, 2e-5), 5e7, 0.0038)
+        link = link_named("rate_dependent_hysteresis")
+        least, most = link.plausible(scales)["memory"]
+        assert least < 3.0 * period < most <= max(0.02 * duration, 20.0 * period)
+        assert all(least <= start["memory"] <= most * 1.0000001 for start in link.starts(scales))
