@@ -19,7 +19,7 @@ from microgripper_control.cli.stopping import sigterm_as_interrupt
 from microgripper_control.core.files import make_folder
 from microgripper_control.diagnosis.schedule import cluster
 from microgripper_control.examination.folder import Folder, write_json
-from microgripper_control.examination.plan import MOST, plan
+from microgripper_control.examination.plan import MOST, Extent, plan
 from microgripper_control.examination.run import OnProgress, run
 from microgripper_control.examination.score import Score, score
 from microgripper_control.examination.summary import as_json
@@ -33,6 +33,14 @@ def validate(
     seed: Annotated[
         int, typer.Option(min=0, max=MOST, help="Decides all cases, none of which was seen before.")
     ] = 1,
+    first: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N",
+            min=1,
+            help="Only N of these cases; they are shuffled, so any part is fair. More may follow.",
+        ),
+    ] = None,
     jobs: Annotated[int, typer.Option(help="Cases at once; -1: one a core.")] = -1,
     scheduler: Annotated[
         str | None,
@@ -48,17 +56,17 @@ def validate(
 
     A case takes about 2 MB in DIR. The result is DIR/validation.html and validation.json.
     """
-    planned = plan(seed, quick)
+    extent, planned = Extent(seed, quick, first), plan(seed, quick)
     root = make_folder(out)
     with sigterm_as_interrupt(), cluster(scheduler), _progress() as on_progress:
-        records = run(root, planned, on_progress, jobs)
+        records = run(root, planned, on_progress, jobs, first=first)
     found = score(Folder(root.resolve()), records)
-    content = as_json(found, seed, quick)
+    content = as_json(found, extent)
     write_json(root / "validation.json", content)
     # Drawing needs matplotlib, which takes a second: not for the other commands.
     from microgripper_control.report.validation_page import write_validation_page
 
-    page = write_validation_page(found, root, seed, quick)
+    page = write_validation_page(found, root, extent)
     if json_:
         typer.echo(json.dumps(content, allow_nan=False))
         return

@@ -69,6 +69,22 @@ class Planned:
 
 
 @dataclass(frozen=True)
+class Extent:
+    """Which examination, and how much of it."""
+
+    seed: int
+    quick: bool = False
+    first: int | None = None  # so many cases of the plan; they are shuffled, so any part is fair
+
+    @property
+    def command(self) -> str:
+        """What repeats it."""
+        quick = " --quick" if self.quick else ""
+        first = "" if self.first is None else f" --first {self.first}"
+        return f"microgripper validate --seed {self.seed}{quick}{first}"
+
+
+@dataclass(frozen=True)
 class _Wanted:
     question: str
     effects: tuple[str, ...]

@@ -32,14 +32,18 @@ def run(
     progress: OnProgress,
     jobs: int = -1,
     limit: float = LIMIT,
+    first: int | None = None,
 ) -> list[Record]:
-    """Do all cases that have no result yet, `jobs` at once; return all records in order.
+    """Do the cases that have no result yet, `jobs` at once; return all records in order.
+
+    All of the plan's, or the `first` ones; a later run may do more of them.
 
     `limit` is the time for one diagnosis, s. On a cluster every worker must see the folder `root`.
     MicrogripperError if it holds another examination.
     """
     folder = Folder(root.resolve())
     folder.begin(planned)
+    planned = planned[:first]
     left = [one for one in planned if not folder.result(one).exists()]
     before, begun = len(planned) - len(left), time.monotonic()
     progress(before, len(planned), None)

@@ -9,6 +9,7 @@ from typing import Any
 from microgripper_control.examination.calibration import Reliability
 from microgripper_control.examination.marking import Marked, probability_of
 from microgripper_control.examination.places import Places
+from microgripper_control.examination.plan import Extent
 from microgripper_control.examination.score import Effect, Foreign, Score
 from microgripper_control.examination.shares import Middle, Share
 from microgripper_control.examination.shrinking import errors_of
@@ -17,12 +18,11 @@ from microgripper_control.examination.targets import Target, targets
 SCHEMA = "microgripper-validation/1"
 
 
-def as_json(score: Score, seed: int, quick: bool) -> dict[str, Any]:
+def as_json(score: Score, extent: Extent) -> dict[str, Any]:
     """The score for other programs, SI units throughout; what cannot be told is null."""
     return {
         "schema": SCHEMA,
-        "seed": seed,
-        "quick": quick,
+        **asdict(extent),
         "cases_done": len(score.cases),
         "targets": [_target(target) for target in targets(score)],
         "top_1": {name: _share(share) for name, share in score.top.items()},

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from microgripper_control.examination.places import Places
-from microgripper_control.examination.plan import FIRST_SEED, NEVER, STRENGTHS, WITHHELD
+from microgripper_control.examination.plan import FIRST_SEED, NEVER, STRENGTHS, WITHHELD, Extent
 from microgripper_control.examination.score import Score
 from microgripper_control.examination.shares import Middle, Share
 from microgripper_control.examination.targets import MET, MISSED, Target, targets
@@ -32,11 +32,11 @@ INTRODUCTION = (
 )
 
 
-def write_validation_page(score: Score, folder: Path, seed: int, quick: bool) -> Path:
+def write_validation_page(score: Score, folder: Path, extent: Extent) -> Path:
     """Write `validation.html` and its figures into a folder; returns the page's path."""
     page = Page("The diagnosis, examined")
     page.paragraph(INTRODUCTION)
-    page.paragraph(_extent(score, seed, quick))
+    page.paragraph(_extent(score, extent))
     page.heading("What must hold")
     page.paragraph(_plainly(targets(score)))
     page.table(TARGET_HEADER, target_rows(score), TARGET_TEXTS)
@@ -81,13 +81,15 @@ def _plainly(demands: Sequence[Target]) -> str:
     return " ".join(parts)
 
 
-def _extent(score: Score, seed: int, quick: bool) -> str:
-    kind = "a quick examination" if quick else "the full examination"
+def _extent(score: Score, extent: Extent) -> str:
+    kind = "a quick examination" if extent.quick else "the full examination"
+    if extent.first is not None:
+        kind = f"the first {extent.first} of {kind}, in which they are shuffled,"
     seeds = [case.record.planned.seed for case in score.cases]
     used = f"{min(seeds)} to {max(seeds)}" if seeds else "none"
     return (
-        f"{len(score.cases)} cases, {kind} with seed {seed}; repeat it with microgripper validate "
-        f"--seed {seed}{' --quick' if quick else ''}. The cases' own seeds are {used}; they begin "
+        f"{len(score.cases)} cases, {kind} with seed {extent.seed}; repeat it with "
+        f"{extent.command}. The cases' own seeds are {used}; they begin "
         f"at {FIRST_SEED}. The method was developed and calibrated on seeds "
         f"{DEVELOPMENT_SEEDS[0]} to {DEVELOPMENT_SEEDS[-1]}, which give one of each effect's two "
         "laws alone: form a. Form b appears in examinations only."

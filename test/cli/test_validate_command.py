@@ -66,6 +66,19 @@ def test_it_writes_a_page_and_json_and_prints_the_demands(
     assert [case["right"] for case in content["cases"]] == [True, False]
 
 
+def test_the_page_says_how_to_repeat_a_part(
+    microgripper: Callable[..., Any], tmp_path: Path
+) -> None:
+    ran = microgripper(
+        "validate", "--out", tmp_path, "--quick", "--seed", 7, "--first", 1, "--jobs", 1
+    )
+    assert "1 of 1 cases" in ran.err
+    content = json.loads((tmp_path / "validation.json").read_text())
+    assert [content[key] for key in ("seed", "quick", "first", "cases_done")] == [7, True, 1, 1]
+    page = (tmp_path / "validation.html").read_text()
+    assert "repeat it with microgripper validate --seed 7 --quick --first 1." in page
+
+
 def test_json_is_the_file_s(microgripper: Callable[..., Any], tmp_path: Path) -> None:
     ran = microgripper("validate", "--out", tmp_path, "--json", "--jobs", 1)
     assert json.loads(ran.out) == json.loads((tmp_path / "validation.json").read_text())

@@ -11,6 +11,7 @@ from hand_made import NM, diagnosis, marked
 
 from microgripper_control.examination.beside.compare import METHODS
 from microgripper_control.examination.marking import Marked
+from microgripper_control.examination.plan import Extent
 from microgripper_control.examination.score import Score, scored
 from microgripper_control.examination.shares import Share
 from microgripper_control.examination.shrinking import DIAGNOSIS
@@ -130,7 +131,7 @@ def test_false_alarms_need_150_cases() -> None:
 
 
 def test_json_is_complete_and_plain(score: Score) -> None:
-    text = json.dumps(as_json(score, 1, True), allow_nan=False)
+    text = json.dumps(as_json(score, Extent(1, quick=True)), allow_nan=False)
     read = json.loads(text)
     assert read["top_1"]["medium"]["of"] == 2
     assert read["top_1"]["weak"]["value"] is None
@@ -139,7 +140,7 @@ def test_json_is_complete_and_plain(score: Score) -> None:
 
 
 def test_the_page_says_plainly_what_is_met(score: Score, tmp_path: Path) -> None:
-    page = write_validation_page(score, tmp_path, 1, quick=True)
+    page = write_validation_page(score, tmp_path, Extent(1, quick=True))
     text = page.read_text(encoding="utf-8")
     assert "0 of 8 demands are met." in text
     assert "something was fitted to chance" in text
@@ -148,5 +149,5 @@ def test_the_page_says_plainly_what_is_met(score: Score, tmp_path: Path) -> None
 
 def test_an_examination_without_any_case_has_a_page(tmp_path: Path) -> None:
     empty = scored([])
-    json.dumps(as_json(empty, 1, True), allow_nan=False)
-    assert write_validation_page(empty, tmp_path, 1, quick=True).exists()
+    json.dumps(as_json(empty, Extent(1, quick=True)), allow_nan=False)
+    assert write_validation_page(empty, tmp_path, Extent(1, quick=True)).exists()
