@@ -13,20 +13,11 @@ import numpy as np
 
 from microgripper_control.core.quantities import quantity
 from microgripper_control.diagnosis.evidence import Evidence
+from microgripper_control.diagnosis.fitting import Base, begun, extend, fit_on, half_way
 from microgripper_control.diagnosis.grid import refuted
 from microgripper_control.diagnosis.part import GLANCE, is_dear, on_a_part, refined
 from microgripper_control.diagnosis.screening import Guess, guesses
-from microgripper_control.diagnosis.trial import (
-    Base,
-    Trial,
-    begun,
-    extend,
-    fit_on,
-    half_way,
-    judged,
-    moved,
-    unfitted,
-)
+from microgripper_control.diagnosis.trial import Trial, judged, moved, unfitted
 from microgripper_control.effects.registry import registry
 
 STARTS, MOST_STARTS = 2, 4  # best first guesses that are fitted,

@@ -10,6 +10,7 @@ from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.experiment import next_experiment
 from microgripper_control.diagnosis.exploration import Progress, explore, silent
 from microgripper_control.diagnosis.findings import EFFECTS, NONE, Diagnosis, Gap, Judged
+from microgripper_control.diagnosis.fitting import FINE
 from microgripper_control.diagnosis.freeform import explainable
 from microgripper_control.diagnosis.hold_check import hold_warnings
 from microgripper_control.diagnosis.identified_model import identified
@@ -21,7 +22,7 @@ from microgripper_control.diagnosis.residuals import residuals_of
 from microgripper_control.diagnosis.sentence import sentence
 from microgripper_control.diagnosis.shrinkage import closed_fraction, closed_interval
 from microgripper_control.diagnosis.signatures import signatures
-from microgripper_control.diagnosis.trial import FINE, Trial, judged
+from microgripper_control.diagnosis.trial import Trial, judged
 from microgripper_control.diagnosis.unseen import unseen_gap, unseen_warning
 from microgripper_control.diagnosis.weighing import Facts, weigh
 from microgripper_control.diagnosis.where import locate

@@ -13,6 +13,7 @@ import numpy as np
 
 from microgripper_control.diagnosis.attempt import ROUGH, STEPS, attempt, behind, polish, promise
 from microgripper_control.diagnosis.evidence import Evidence
+from microgripper_control.diagnosis.fitting import Base, base_of, refine
 from microgripper_control.diagnosis.noise import removable
 from microgripper_control.diagnosis.part import (
     GLANCE,
@@ -25,14 +26,7 @@ from microgripper_control.diagnosis.part import (
 )
 from microgripper_control.diagnosis.pool import Pool
 from microgripper_control.diagnosis.schedule import side_by_side
-from microgripper_control.diagnosis.trial import (
-    Base,
-    Trial,
-    base_of,
-    judged,
-    refine,
-    unfitted,
-)
+from microgripper_control.diagnosis.trial import Trial, judged, unfitted
 from microgripper_control.effects.registry import registry
 
 MOST_EFFECTS = 3

@@ -9,7 +9,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from microgripper_control.diagnosis.evidence import Evidence
-from microgripper_control.diagnosis.trial import Trial, refine, unfitted
+from microgripper_control.diagnosis.fitting import refine
+from microgripper_control.diagnosis.trial import Trial, unfitted
 from microgripper_control.plant.simulate import Hold
 
 FAR_BETTER = 0.6  # of the error that the chosen setting leaves

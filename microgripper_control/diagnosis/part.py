@@ -13,15 +13,8 @@ import numpy as np
 
 from microgripper_control.core.signals import ROWS
 from microgripper_control.diagnosis.evidence import Evidence
-from microgripper_control.diagnosis.trial import (
-    Base,
-    Trial,
-    base_of,
-    fit_on,
-    judged_once,
-    moved,
-    refine,
-)
+from microgripper_control.diagnosis.fitting import Base, base_of, fit_on, refine
+from microgripper_control.diagnosis.trial import Trial, judged_once, moved
 from microgripper_control.effects.registry import registry
 from microgripper_control.plant.chain import Chain
 from microgripper_control.plant.model import Model

@@ -7,15 +7,13 @@ from dataclasses import replace
 import numpy as np
 
 from microgripper_control.diagnosis.evidence import Evidence
+from microgripper_control.diagnosis.fitting import FINE, fit_on, refine
 from microgripper_control.diagnosis.ringing import other_frequencies
 from microgripper_control.diagnosis.trial import (
-    FINE,
     Trial,
-    fit_on,
     fitted_keys,
     judged,
     problem_of,
-    refine,
     starting_hysteresis,
     trial_at,
     unfitted,

@@ -15,7 +15,8 @@ import numpy as np
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.attempt import ROUGH, STEPS
 from microgripper_control.diagnosis.evidence import Evidence
-from microgripper_control.diagnosis.trial import Indices, Trial, fit_on, judged, unfitted
+from microgripper_control.diagnosis.fitting import Indices, fit_on
+from microgripper_control.diagnosis.trial import Trial, judged, unfitted
 from microgripper_control.effects.mass_under_forces import natural_frequency
 from microgripper_control.identification.determined import DYNAMIC
 from microgripper_control.plant.model import Model

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from microgripper_control.diagnosis.evidence import Evidence
-from microgripper_control.diagnosis.trial import Base, problem_of
+from microgripper_control.diagnosis.fitting import Base
+from microgripper_control.diagnosis.trial import problem_of
 from microgripper_control.effects.base import Values, no_courses
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.nuisance import Projection

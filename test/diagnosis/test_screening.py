@@ -6,9 +6,9 @@ import numpy as np
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.diagnosis.evidence import Evidence
+from microgripper_control.diagnosis.fitting import base_of
 from microgripper_control.diagnosis.refit import nominal_trial, refit_trial
 from microgripper_control.diagnosis.screening import guesses
-from microgripper_control.diagnosis.trial import base_of
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.model import nominal_model
 from microgripper_control.plant.simulate import simulate
