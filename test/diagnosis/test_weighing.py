@@ -14,6 +14,7 @@ from microgripper_control.diagnosis.findings import EFFECTS, UNKNOWN
 from microgripper_control.diagnosis.pool import Pool
 from microgripper_control.diagnosis.trial import Trial
 from microgripper_control.diagnosis.weighing import (
+    AGREES,
     MISTUNED,
     NOTHING,
     OUTSIDE,
@@ -21,6 +22,7 @@ from microgripper_control.diagnosis.weighing import (
     Left,
     weigh,
 )
+from microgripper_control.effects.registry import registry
 from microgripper_control.plant.model import Model, nominal_model
 
 NM = 1e-9
@@ -82,6 +84,23 @@ def test_a_signature_tips_the_scales() -> None:
     plain = facts(300.0, 60.0, creep=16.0, lag=16.0)
     signed = replace(plain, signs={"creep": True, "sensor_lag": False})
     assert weigh(signed)[CREEP] > weigh(plain)[CREEP] > weigh(signed)[LAG]
+
+
+def test_a_signature_counts_for_what_it_has_proved_to_be_worth() -> None:
+    """A line at the mains has no other cause; the residual bends for many reasons."""
+    hum, bend = frozenset(["mains_hum"]), frozenset(["saturation"])
+    left = Left(16.0 * NM, 16.0 * NM)
+    plain = Facts(
+        Left(300.0 * NM, 300.0 * NM),
+        Left(60.0 * NM, 60.0 * NM),
+        15.0 * NM,
+        20.0,
+        {hum: left, bend: left},
+    )
+    assert weigh(plain)[hum] == weigh(plain)[bend]
+    both = weigh(replace(plain, signs={"mains_hum": True, "saturation": True}))
+    assert both[hum] / both[bend] == pytest.approx(np.exp(2.6 - 0.8))
+    assert set(AGREES) <= set(registry())
 
 
 def test_an_effect_that_shows_in_the_fitted_samples_only_is_believed() -> None:
