@@ -14,8 +14,9 @@ nothing counts.
 Both terms are taken on the judging samples and, with a weight, on the fitted ones: an effect may
 show in the one and not in the other. Flexible laws are held back by the former.
 `odds` are what an explanation must gain before it is believed: one amount for an effect, a further
-one for each other. `none` is the nominal model as it was given, `parameters` the refit, `unknown` a
-law that is not in the library and leaves the share `unknown_rest` of the gap.
+one for each other, less where their signatures are there and more where they should be and are not.
+`none` is the nominal model as it was given, `parameters` the refit, `unknown` a law that is not in
+the library and leaves the share `unknown_rest` of the gap.
 
 The constants of `Weights` were fitted to cases of two rigs that share no code with the library (one
 is that of `validation/`, form a, seeds below 10000), and to the same cases with the right effect
@@ -42,9 +43,9 @@ Explanation = frozenset[str]
 NOTHING: Explanation = frozenset([NONE])
 MISTUNED: Explanation = frozenset([PARAMETERS])
 OUTSIDE: Explanation = frozenset([UNKNOWN])
-# What an effect's signature says for it where it is there, in natural logarithms of odds: half of how
-# much oftener it was there with the effect at work than without. The fits have seen the same, so it
-# does not count in full.
+# What an effect's signature says for it where it is there, a natural logarithm of odds: half of how
+# much oftener it was there with the effect at work than without. The fits have seen the same, so
+# it does not count in full.
 AGREES = {
     "mains_hum": 2.6,
     "sensor_quantization": 2.6,
