@@ -3,7 +3,7 @@
 No input explains a recording's displacement zero, the h it starts with, the phase of a hum or the
 course of a drift, so they are fitted wherever a model is compared with a recording. All but the
 initial h enter linearly, as weights of known courses, and are solved for exactly; the initial h is
-looked for over all of its range and refined by secants.
+looked for over all of its range, and then ever closer around the best look.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ from microgripper_control.plant.simulate import Hold, Initial, simulate
 Mask = NDArray[np.bool_]
 
 BLOCKS = 10
-LOOKS = 5  # at the initial h, all over its range,
-SECANTS = 6  # steps of the secant method from between the best of them, at most,
-CLOSE = 1e-4  # of the largest h: what changes by less need not be tried
-BESIDE = 0.02  # of the largest h
+LOOKS = 7  # at the initial h, all over its range,
+CLOSER = 12  # looks between the best of them, at most:
+BESIDE = 0.02  # of the largest h: how far beside the best one, where nothing better is promised,
+CLOSE = 1e-4  # of it: what is promised no further away than that is no better
 HARDLY_SEEN = 3e-5  # of the best seen courses: what died away before the samples gets no weight
 FORGOTTEN = 1e-4  # of the most that h changes: what changes less need not be simulated again
 
@@ -163,7 +163,7 @@ def fit_nuisance(
 ) -> Nuisance:
     """Least-squares nuisance values on the samples `used` (shape (n,), all if None).
 
-    Deterministic: a fixed number of steps from a fixed start, so whoever repeats it gets the same.
+    Deterministic: whoever repeats it looks at the same places and gets the same.
     """
     mask = conditions.answered(recording)
     if used is not None:
@@ -202,52 +202,74 @@ def _by_hysteresis(
 
 
 def _fit_hysteresis(left: Callable[[float], Array], bound: float) -> float:
-    """The initial h, m, within +-bound that leaves the least squares.
+    """The initial h, m, within +-bound that leaves the least squares of what was tried.
 
     They may have a minimum on each side of zero, so all of the range is looked at first. Between
     two looks what is left runs about straight: where it is least follows from both.
     """
     tried = {float(h): left(float(h)) for h in np.linspace(-bound, bound, LOOKS)}
-    h = _least_between(tried)
-    if h in tried:  # the ways on both sides lead there: what is close to it tells how it goes on
-        close = (h - BESIDE * bound, h + BESIDE * bound)
-        tried |= {h: left(h) for h in close if abs(h) <= bound}
-        h = _least_between(tried)
-    for _ in range(SECANTS):
-        if min(abs(h - other) for other in tried) < CLOSE * bound:
-            return h
+    h = min((_between(tried, *pair) for pair in pairwise(tried)), key=lambda way: way[1])[0]
+    for _ in range(CLOSER):
+        if abs(h - _least(tried)) < CLOSE * bound:
+            h = _beside(tried, bound)
+            if abs(h - _least(tried)) < CLOSE * bound:
+                return h
         tried[h] = left(h)
         best = _least(tried)
-        nearest = min((other for other in tried if other != best), key=lambda h: abs(h - best))
-        h = min(bound, max(-bound, _between(tried, best, nearest, math.inf)[0]))
+        ways = (_between(tried, best, other) for other in _neighbours(tried, best))
+        h = min(ways, key=lambda way: way[1])[0]
     return _least(tried)
 
 
-def _least(tried: Mapping[float, Array]) -> float:
-    """The h that left the least squares."""
-    return min(tried, key=lambda h: float(tried[h] @ tried[h]))
+def _beside(tried: Mapping[float, Array], bound: float) -> float:
+    """Where to look if the ways from the best h to its neighbours lead back to it.
 
-
-def _least_between(tried: Mapping[float, Array]) -> float:
-    """The h for which the straight ways between neighbours promise the least squares."""
-    ways = [_between(tried, *pair, 1.0) for pair in pairwise(sorted(tried))]
-    return min(ways, key=lambda way: way[1])[0]
-
-
-def _between(
-    tried: Mapping[float, Array], h: float, other: float, furthest: float
-) -> tuple[float, float]:
-    """Where on the straight way from one h to another the squares are least, and these.
-
-    No further than so many times the way.
+    Close by, to see whether they are straight; from there as a step of Gauss and Newton leads, no
+    further than halfway to what was tried.
     """
-    error, change = tried[h], tried[other] - tried[h]
-    power = float(change @ change)
-    share = -float(error @ change) / power if power > 0.0 else 0.0
-    if furthest < math.inf:
-        share = min(furthest, max(0.0, share))
-    rest = error + share * change
-    return h + share * (other - h), float(rest @ rest)
+    best = _least(tried)
+    around = _neighbours(tried, best)
+    near = min((other for other in around if other != best), key=lambda h: abs(h - best))
+    if abs(near - best) > 2.0 * BESIDE * bound:
+        return best + math.copysign(BESIDE * bound, near - best)
+    low, high = (0.5 * (best + other) for other in around)
+    return min(high, max(low, best + _share(tried, best, near) * (near - best)))
+
+
+def _squares(error: Array) -> float:
+    """Their sum; infinite where a law diverged."""
+    squares = float(error @ error)
+    return squares if math.isfinite(squares) else math.inf
+
+
+def _least(tried: Mapping[float, Array]) -> float:
+    """The h that left the least squares, the smallest of several."""
+    return min(tried, key=lambda h: (_squares(tried[h]), abs(h)))
+
+
+def _neighbours(tried: Mapping[float, Array], h: float) -> tuple[float, float]:
+    """The next lower and the next higher h that was tried, or h itself."""
+    return (
+        max((other for other in tried if other < h), default=h),
+        min((other for other in tried if other > h), default=h),
+    )
+
+
+def _between(tried: Mapping[float, Array], h: float, other: float) -> tuple[float, float]:
+    """Where on the straight way from one h to another the squares are least, and these."""
+    share = min(1.0, max(0.0, _share(tried, h, other)))
+    if share == 0.0:
+        return h, _squares(tried[h])
+    return h + share * (other - h), _squares((1.0 - share) * tried[h] + share * tried[other])
+
+
+def _share(tried: Mapping[float, Array], h: float, other: float) -> float:
+    """The share of the way to another h after which the squares would be least were it straight."""
+    if math.isinf(_squares(tried[h])) or math.isinf(_squares(tried[other])):
+        return 0.0
+    change = tried[other] - tried[h]
+    power = _squares(change)
+    return -float(tried[h] @ change) / power if power > 0.0 else 0.0
 
 
 def blocks(length: int, odd: bool) -> Mask:
