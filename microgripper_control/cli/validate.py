@@ -56,10 +56,11 @@ def validate(
 
     A case takes about 2 MB in DIR. The result is DIR/validation.html and validation.json.
     """
-    extent, planned = Extent(seed, quick, first), plan(seed, quick)
+    planned = plan(seed, quick)
+    extent = Extent(seed, quick, first if first and first < len(planned) else None)
     root = make_folder(out)
     with sigterm_as_interrupt(), cluster(scheduler), _progress() as on_progress:
-        records = run(root, planned, on_progress, jobs, first=first)
+        records = run(root, planned, on_progress, jobs, first=extent.first)
     found = score(Folder(root.resolve()), records)
     content = as_json(found, extent)
     write_json(root / "validation.json", content)

@@ -32,7 +32,7 @@ class Effort(NamedTuple):
 PART = 15_000  # samples that are fitted then
 GLANCE = 6000  # samples on which it is seen what a force promises
 MANY = 40_000  # samples
-MOST_ROWS = 5e6  # of coefficients in a simulation: an effect that makes it longer joins no other
+MOST_ROWS = 5e6  # of coefficients in a simulation with forces: what makes it longer does not join
 MANY_ROWS = 10  # of coefficients a sample: by place, and at rest at its end, a force takes five
 TO_THE_END, ENOUGH = Effort(1e-5, 20, 0.99), Effort(1e-3, 8, 0.9)
 ROUNDS = 3
@@ -87,10 +87,12 @@ def is_dear_with(evidence: Evidence, trial: Trial, effect: str) -> bool:
 
 
 def is_too_dear_with(evidence: Evidence, trial: Trial, effect: str) -> bool:
-    """Whether a single simulation of all fitted samples would take about a second then."""
+    """Whether forces are balanced so often then that one simulation takes about a second."""
     model = _with(evidence, trial, effect)
+    if model is None or not is_dear(evidence, model):
+        return False
     samples = sum(len(recording) for recording in evidence.fitted)
-    return model is not None and samples * _labour(evidence, model) > MOST_ROWS
+    return samples * _labour(evidence, model) > MOST_ROWS
 
 
 def _with(evidence: Evidence, trial: Trial, effect: str) -> Model | None:

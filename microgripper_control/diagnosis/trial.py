@@ -71,12 +71,22 @@ def fitted_keys(model: Model, links: Sequence[str]) -> tuple[Key, ...]:
 
 
 def problem_of(evidence: Evidence, model: Model, free: Sequence[Key]) -> Problem:
-    """The least-squares problem of a model on the fitted samples."""
-    limits = {
-        (link, name): bounds
-        for link in model.settings
-        for name, bounds in registry()[link].plausible(evidence.scales).items()
-    }
+    """The least-squares problem of a model on the fitted samples, within what is plausible.
+
+    What the nominal model has is plausible, and nothing beyond a parameter's own range is.
+    """
+    limits = {}
+    for link in model.settings:
+        for name, bounds in registry()[link].plausible(evidence.scales).items():
+            declared, own = (
+                registry()[link].parameter(name),
+                evidence.nominal.settings.get(link, {}),
+            )
+            known = [own[name].value] if name in own else []
+            limits[link, name] = (
+                declared.nearest(min(*bounds, *known)),
+                declared.nearest(max(*bounds, *known)),
+            )
     return Problem(model, evidence.fitted, evidence.conditions, tuple(free), evidence.used, limits)
 
 

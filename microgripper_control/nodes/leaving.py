@@ -10,7 +10,7 @@ import faulthandler
 import os
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from threading import Timer
 
 
@@ -18,13 +18,15 @@ from threading import Timer
 def no_longer_than(seconds: float, status: int) -> Iterator[None]:
     """End the process with `status` if what is done inside takes longer, and say where it hangs.
 
-    What hangs without letting other threads run is ended after twice as long, with status 1.
+    What hangs without letting other threads run is ended after twice as long, with status 1. What
+    the interpreter does afterwards is not watched.
     """
     guard = Timer(seconds, _give_up, [status])
     guard.daemon = True
-    guard.start()
-    faulthandler.dump_traceback_later(2.0 * seconds, exit=True)
     try:
+        guard.start()
+        with suppress(ValueError, RuntimeError, OSError):  # where standard error is no file
+            faulthandler.dump_traceback_later(2.0 * seconds, exit=True)
         yield
     finally:
         guard.cancel()
@@ -32,7 +34,9 @@ def no_longer_than(seconds: float, status: int) -> Iterator[None]:
 
 
 def _give_up(status: int) -> None:
-    print("the process does not end by itself; it is ended here:", file=sys.stderr, flush=True)
-    faulthandler.dump_traceback()
-    sys.stdout.flush()
-    os._exit(status)
+    try:
+        print("the process does not end by itself; it is ended here:", file=sys.stderr, flush=True)
+        faulthandler.dump_traceback()
+        sys.stdout.flush()
+    finally:
+        os._exit(status)

@@ -61,7 +61,7 @@ PRIORITY = Parameter(
     "realtime_priority", "1", 0.0, 0.0, HIGHEST, "of SCHED_FIFO, if permitted; 0: as others"
 )
 POLL = 0.02  # s: the longest time for which a signal goes unnoticed
-PATIENCE = 10.0  # s, with the middleware's end
+PATIENCE = 4.0  # s, with the middleware's end; ros2 launch has 5 before it asks less kindly
 FAILED, BAD_INPUT = 1, 2  # exit status
 TRANSPORTS = "FASTDDS_BUILTIN_TRANSPORTS"  # the first, and what else decides on them
 ASKED = (TRANSPORTS, "FASTDDS_DEFAULT_PROFILES_FILE", "FASTRTPS_DEFAULT_PROFILES_FILE")

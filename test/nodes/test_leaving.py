@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import subprocess
 import sys
-import time
 
 import pytest
 
@@ -25,9 +24,7 @@ def ended(what: str, seconds: float = 0.2) -> subprocess.CompletedProcess[str]:
 
 @pytest.mark.parametrize(("what", "status"), [("time.sleep(60)", 7), (HANGS, 1)])
 def test_a_process_that_hangs_at_its_end_is_ended_and_says_where(what: str, status: int) -> None:
-    before = time.monotonic()
     process = ended(what)
-    assert time.monotonic() - before < 30.0
     assert process.returncode == status
     assert 'File "<string>", line 6' in process.stderr
     if status == 7:  # nothing that was printed is lost

@@ -67,15 +67,18 @@ def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
 
 
 def says(values: Values, scales: Scales) -> str:
-    share = percent(float(np.ptp(apart(values, scales))) / scales.stroke)
+    share = percent(float(np.max(np.abs(apart(values, scales)))) / scales.stroke)
     return (
-        "the hysteresis is lopsided: between rising and falling voltage the branches part by up to "
-        f"{share} of the stroke more in one place than in another"
+        "the hysteresis is lopsided: between rising and falling voltage the branches lie up to "
+        f"{share} of the stroke closer together, or further apart, than the model's"
     )
 
 
 def apart(values: Values, scales: Scales) -> Array:
-    """How far the branches of the largest loop are apart, m, at voltages evenly over it."""
+    """How much further than the paper's the branches of the largest loop are apart, m, (50,).
+
+    At voltages evenly over it.
+    """
     u = np.linspace(*scales.voltage, 50)
     reach, low, high = values["reach"], u[0], u[-1]
     turned = 1.0 + math.tanh((high - low) / (2.0 * reach))

@@ -31,7 +31,7 @@ from microgripper_control.core.quantities import percent, quantity
 from microgripper_control.core.signals import FREE, HYSTERESIS, VOLTAGE, Array, Timing
 from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
 
-LONGEST = 0.02  # of a recording
+LONGEST = 0.02  # of the longest recording
 
 
 @compiled
@@ -128,11 +128,14 @@ def starts(scales: Scales) -> Sequence[Values]:
 
 def longest(scales: Scales) -> float:
     """The longest memory, s, of what can be called a rate: what lasts longer drifts or creeps."""
-    return max(LONGEST * scales.duration, 20.0 * scales.sample_period)
+    return max(LONGEST * scales.duration, 20.0 * scales.sample_period, 1e-3)
 
 
 def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
-    """What makes e grow by more than a power of e^10 over the swing would run away."""
+    """What is averaged over long follows any drift.
+
+    What makes e grow by more than a power of e^10 over the swing would run away.
+    """
     most = 10.0 / scales.swing
     memory = (1e-4, longest(scales))
     return {"memory": memory, "fading": (-most, most), "turning": (-most, most)}
