@@ -93,7 +93,7 @@ def show(found: Score, console: Console) -> None:
     for one in found.confusions:
         reasons = "; ".join(one.reasons)
         console.print(
-            f"{one.asked} taken for {one.said}, {len(one.cases)} times: {reasons}", markup=False
+            f"{one.asked} taken for {one.said} ({', '.join(one.cases)}): {reasons}", markup=False
         )
     for name, outcome, why in found.failures:
         console.print(f"{name}: {outcome}: {why}", markup=False)

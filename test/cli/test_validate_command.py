@@ -58,7 +58,7 @@ def test_it_writes_a_page_and_json_and_prints_the_demands(
     ran = microgripper("validate", "--out", tmp_path, "--quick", "--jobs", 1)
     assert ran.status == 0
     assert "too few cases" in ran.out
-    assert "parameters taken for none, 1 times" in ran.out
+    assert "parameters taken for none (case_002)" in ran.out
     assert "2 of 2 cases" in ran.err
     assert (tmp_path / "validation.html").exists()
     content = json.loads((tmp_path / "validation.json").read_text())

@@ -29,11 +29,10 @@ def evidence(
 def test_what_the_nominal_model_has_is_plausible() -> None:
     """It was identified elsewhere, on longer recordings: it is judged as it is."""
     nominal = nominal_model().with_link(RATE, memory=1.0)
-    problem = problem_of(evidence(nominal, 10.0), nominal, [KEY])
-    assert problem.model_at(problem.point(nominal, (0.0,))).value(*KEY) == pytest.approx(1.0)
-    plain = nominal_model()
-    problem = problem_of(evidence(plain, 10.0), nominal, [KEY])
-    assert problem.model_at(problem.point(nominal, (0.0,))).value(*KEY) == pytest.approx(0.2, rel=1e-3)
+    for given, memory in ((nominal, 1.0), (nominal_model(), 0.2)):
+        problem = problem_of(evidence(given, 10.0), nominal, [KEY])
+        at = problem.model_at(problem.point(nominal, (0.0,)))
+        assert at.value(*KEY) == pytest.approx(memory, rel=1e-3)
 
 
 def test_nothing_beyond_a_parameter_s_own_range_is_plausible() -> None:
