@@ -77,8 +77,12 @@ def test_the_derivative_is_that_of_the_rows(paper: Model) -> None:
 
 
 def test_what_a_recording_does_not_tell_stays_as_the_model_has_it(paper: Model) -> None:
-    """A short ramp shows one slope: a fit that begins far off returns."""
-    evidence = Evidence.gather([record(paper, ramp(5.0))], [], Conditions(), paper)
+    """A short ramp shows one slope: a fit that begins far off returns.
+
+    It begins at rest: an unknown initial h, too, would trade with alpha.
+    """
+    at_rest = Conditions(initial=Initial.REST)
+    evidence = Evidence.gather([record(paper, ramp(5.0))], [], at_rest, paper)
     start = nominal_trial(evidence, paper.with_values({("bouc_wen", "alpha"): 0.4}))
     found = refine(evidence, start)
     assert found.fitted_rmse == pytest.approx(NOISE, rel=0.05)
