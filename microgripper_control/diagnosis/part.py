@@ -77,7 +77,7 @@ def is_force(effect: str) -> bool:
 
 def is_dear(evidence: Evidence, model: Model) -> bool:
     """Whether a model has forces that are balanced many times in each sample."""
-    return any(is_force(name) for name in model.effects) and _labour(evidence, model) > MANY_ROWS
+    return _labour_of_forces(evidence, model) > MANY_ROWS
 
 
 def is_dear_with(evidence: Evidence, trial: Trial, effect: str) -> bool:
@@ -89,10 +89,9 @@ def is_dear_with(evidence: Evidence, trial: Trial, effect: str) -> bool:
 def is_too_dear_with(evidence: Evidence, trial: Trial, effect: str) -> bool:
     """Whether forces are balanced so often then that one simulation takes about a second."""
     model = _with(evidence, trial, effect)
-    if model is None or not is_dear(evidence, model):
-        return False
+    labour = _labour_of_forces(evidence, model) if model is not None else 0
     samples = sum(len(recording) for recording in evidence.fitted)
-    return samples * _labour(evidence, model) > MOST_ROWS
+    return labour > MANY_ROWS and samples * labour > MOST_ROWS
 
 
 def _with(evidence: Evidence, trial: Trial, effect: str) -> Model | None:
@@ -101,7 +100,9 @@ def _with(evidence: Evidence, trial: Trial, effect: str) -> Model | None:
     return trial.model.with_link(effect, **starts[0]) if starts else None
 
 
-def _labour(evidence: Evidence, model: Model) -> float:
-    """Rows of coefficients a sample."""
+def _labour_of_forces(evidence: Evidence, model: Model) -> int:
+    """Rows of coefficients a sample of a model with forces takes; 0 without any."""
+    if not any(is_force(name) for name in model.effects):
+        return 0
     ramped = evidence.conditions.hold is not Hold.ZERO
     return Chain(model, evidence.scales.sample_period, np.zeros(ROWS), ramped=ramped).labour

@@ -77,11 +77,9 @@ def problem_of(evidence: Evidence, model: Model, free: Sequence[Key]) -> Problem
     """
     limits = {}
     for link in model.settings:
+        own = evidence.nominal.settings.get(link, {})
         for name, bounds in registry()[link].plausible(evidence.scales).items():
-            declared, own = (
-                registry()[link].parameter(name),
-                evidence.nominal.settings.get(link, {}),
-            )
+            declared = registry()[link].parameter(name)
             known = [own[name].value] if name in own else []
             limits[link, name] = (
                 declared.nearest(min(*bounds, *known)),
