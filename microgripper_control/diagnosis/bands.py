@@ -18,7 +18,7 @@ OWN = 0.3  # of the motion's density at a peak of the error, at least: else it i
 OWN_LINE = 3.0  # the same of a line
 HARMONICS = 15  # of the motion's main frequency that are not taken for peaks
 MOST_PEAKS = 8  # that are looked at
-COARSE = 400  # samples of a stretch: 1/100 of the highest frequency, to see resonances by
+LENGTHS = (400, 1600, 6400)  # samples of a stretch, to see broad resonances and narrow ones by
 LINE = 0.5  # Hz, on each side: the range of a line
 CONTRAST = 12.0  # of a peak over its neighbourhood, at least
 NEIGHBOURS = 12.0  # resolutions: how wide the neighbourhood is
@@ -58,14 +58,10 @@ def bands(residuals: Sequence[Residual], noise: float) -> list[Band]:
 
 
 def _peaks(group: Sequence[Residual], noise: float, total: float) -> list[Band]:
-    """Lines, looked for as finely as the stretches allow, and resonances, looked for coarsely."""
-    peaks: list[Peak] = []
-    for length in (None, COARSE):
-        spectrum = spectrum_of(group, length)
-        for peak in [] if spectrum is None else find_peaks(spectrum, noise):
-            apart = all(peak.low > known.high or peak.high < known.low for known in peaks)
-            if apart and peak.line == (length is None):
-                peaks.append(peak)
+    """Lines, looked for as finely as the stretches allow, and resonances."""
+    spectrum = spectrum_of(group)
+    lines = [] if spectrum is None else [p for p in find_peaks(spectrum, noise) if p.line]
+    peaks = [*lines, *(p for p in resonances(group, noise) if all(p.apart(one) for one in lines))]
     worth = WORTH * max(total, 0.02 * noise**2)
     peaks = sorted([p for p in peaks if p.power > worth], key=lambda peak: -peak.power)
     gap = max(total, sum(peak.power for peak in peaks))
@@ -86,6 +82,23 @@ class Peak:
     contrast: float  # height over its neighbourhood
     line: bool  # no wider than the spectrum's own resolution
 
+    def apart(self, other: Peak) -> bool:
+        """Whether their ranges do not meet."""
+        return self.low > other.high or self.high < other.low
+
+
+def resonances(group: Sequence[Residual], noise: float) -> list[Peak]:
+    """The peaks that are no lines, of residuals of one sample period; the broadest are found first.
+
+    What is narrower than a spectrum's resolution shows as a peak in one that is finer.
+    """
+    found: list[Peak] = []
+    for length in LENGTHS:
+        spectrum = spectrum_of(group, length)
+        peaks = [] if spectrum is None else find_peaks(spectrum, noise)
+        found += [p for p in peaks if not p.line and all(p.apart(known) for known in found)]
+    return found
+
 
 def find_peaks(spectrum: Spectrum, noise: float) -> list[Peak]:
     """The peaks of the error that the motion does not explain, most power first."""
@@ -99,6 +112,8 @@ def find_peaks(spectrum: Spectrum, noise: float) -> list[Peak]:
     chance = 1.0 + np.log(len(frequency)) * 2.0 / np.sqrt(spectrum.stretches)
     needed = max(CONTRAST if spectrum.stretches < 4 else CONTRAST / 3.0, 1.5 * chance)
     found: list[Peak] = []
+    share = density / (spectrum.motion + floor)
+    usual = _neighbourhood(share, wide)
     free = frequency >= 3.0 * spectrum.resolution
     for _ in range(MOST_PEAKS):
         at = int(np.argmax(np.where(free, contrast, 0.0)))
@@ -107,8 +122,9 @@ def find_peaks(spectrum: Spectrum, noise: float) -> list[Peak]:
         peak = _peak(spectrum, density, around, at, float(contrast[at]))
         margin = 2.0 * spectrum.resolution
         free &= (frequency < peak.low - margin) | (frequency > peak.high + margin)
-        own = OWN_LINE if peak.line else OWN
-        if density[at] > own * spectrum.motion[at] and not _harmonic(spectrum, peak.frequency):
+        own = density[at] > (OWN_LINE if peak.line else OWN) * spectrum.motion[at]
+        own |= not peak.line and share[at] > CONTRAST * usual[at]
+        if own and not _harmonic(spectrum, peak.frequency):
             found.append(peak)
     return sorted(found, key=lambda peak: -peak.power)
 

@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from microgripper_control.diagnosis.bands import COARSE, find_peaks, slow_share
+from microgripper_control.diagnosis.bands import find_peaks, resonances, slow_share
 from microgripper_control.diagnosis.evidence import rms
 from microgripper_control.diagnosis.findings import Signature
 from microgripper_control.diagnosis.grid import common_step, refuted, rounding
@@ -30,6 +30,7 @@ from microgripper_control.diagnosis.spectra import Spectrum, same_clock, spectru
 
 MAINS = (50.0, 60.0)  # Hz
 NEAR = 0.6  # Hz: how far the mains may be off
+STANDS_OUT = 0.1  # of the gap: what a resonance holds at least
 
 Test = Callable[[Sequence[Residual], float], list[Signature]]
 
@@ -126,11 +127,7 @@ def thermal_drift(residuals: Sequence[Residual], noise: float) -> list[Signature
 
 def extra_resonance(residuals: Sequence[Residual], noise: float) -> list[Signature]:
     """A peak of the residual that is no line and that the motion alone does not explain."""
-    found = []
-    for group in same_clock(residuals):
-        spectrum = spectrum_of(group, COARSE)
-        if spectrum is not None:
-            found += [peak for peak in find_peaks(spectrum, noise) if not peak.line]
+    found = [peak for group in same_clock(residuals) for peak in resonances(group, noise)]
     if not found:
         text = "No peak broader than a line stands out of the residual's spectrum."
         return [Signature("extra_resonance", None, text)]
@@ -141,7 +138,7 @@ def extra_resonance(residuals: Sequence[Residual], noise: float) -> list[Signatu
         f"The residual's spectrum has a peak at {peak.frequency:.3g} Hz, from {peak.low:.3g} to "
         f"{peak.high:.3g} Hz, with {share:.0%} of the gap."
     )
-    return [Signature("extra_resonance", True if peak.power > 0.03 * total else None, text)]
+    return [Signature("extra_resonance", True if peak.power > STANDS_OUT * total else None, text)]
 
 
 TESTS: tuple[Test, ...] = (

@@ -8,10 +8,12 @@ from __future__ import annotations
 
 from microgripper_control.core.quantities import quantity
 from microgripper_control.diagnosis.evidence import MOST_SIMULATED, Evidence
-from microgripper_control.diagnosis.noise import removable
+from microgripper_control.diagnosis.noise import removable, usual_innovation
+from microgripper_control.diagnosis.residuals import residuals_of
 from microgripper_control.diagnosis.trial import Trial
 
-SHOWN = 0.3  # of the gap on the held-out recordings: the others show it if theirs is larger
+SHOWN = 0.3  # of the gap on the held-out recordings: the others show it if theirs is larger,
+CLEAR = 3.0  # or if it is more than so many times the noise floor
 REAL = 0.5  # of the noise floor: a smaller gap is not looked for
 
 
@@ -19,9 +21,11 @@ def unseen_gap(evidence: Evidence, refit: Trial) -> bool:
     """Whether the refitted model fails on the held-out recordings by what the fit never saw."""
     if not evidence.separate or _samples(evidence) > MOST_SIMULATED:
         return False
-    floor = refit.noise_floor
+    fitted, _ = residuals_of(evidence, refit.model)
+    # A large gap, or what each step leaves, lets an innovation seem larger than the noise is.
+    floor = min(refit.noise_floor, *(usual_innovation(one.error[one.counted]) for one in fitted))
     gap, seen = removable(refit.rmse, floor), removable(refit.fitted_rmse, floor)
-    return gap > REAL * floor and seen < SHOWN * gap
+    return gap > REAL * floor and seen < min(SHOWN * gap, CLEAR * floor)
 
 
 def unseen_warning(refit: Trial) -> str:

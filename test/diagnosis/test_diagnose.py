@@ -134,6 +134,26 @@ def test_what_only_the_held_out_recordings_reach_is_named(
     assert found.gap.augmented < 1.2 * NOISE
 
 
+def test_what_the_fitted_recordings_show_clearly_is_fitted_to_them_alone(
+    paper: Model, mistuned: Callable[[Model], Model]
+) -> None:
+    """A mode rings a little after steps; in a chirp far more, but in a block that judges."""
+    rig = paper.with_link("extra_resonance", share=0.04, frequency=25.0, damping=0.02)
+    time = PERIOD * np.arange(12_000)
+    levels = np.append(0.0, np.random.default_rng(5).uniform(10.0, 140.0, 11))
+    steps = np.repeat(levels, 1000)
+    chirp = 75.0 - 65.0 * np.cos(np.pi * 55.0 / time[-1] * time**2)
+    noise = NOISE * np.random.default_rng(1).standard_normal((2, len(time)))
+    recordings = [
+        Recording(name, PERIOD, voltage, simulate(rig, voltage, PERIOD) + errors)
+        for name, voltage, errors in (("steps", steps, noise[0]), ("chirp", chirp, noise[1]))
+    ]
+    found = diagnose(mistuned(paper), recordings[:1], recordings[1:])
+    assert (found.verdict, found.effects) == (EFFECTS, ("extra_resonance",))
+    assert found.gap.separate
+    assert found.gap.augmented < 1.2 * NOISE
+
+
 def test_a_drift_is_not_called_creep_from_before_the_recordings(paper: Model) -> None:
     """Without drift in the library, what creep leaves to each recording could do all of it."""
 

@@ -119,6 +119,18 @@ def test_ringing_after_steps() -> None:
     assert found.agrees
 
 
+def test_a_slow_narrow_mode_that_moves_less_than_a_chirp_does() -> None:
+    """At 25 Hz it adds 0.4 of the motion, so that only beside its neighbours it stands out."""
+    time = PERIOD * np.arange(20000)
+    voltage = 75.0 - 70.0 * np.cos(np.pi * 60.0 / time[-1] * time**2)
+    x, omega = motion(voltage), 2.0 * np.pi * 25.0
+    decay, turn = np.exp(-0.0175 * omega * PERIOD), omega * PERIOD
+    poles = [1.0, -2.0 * decay * np.cos(turn), decay**2]
+    mode = lfilter([sum(poles)], poles, x - x[0]) + x[0]
+    found = said(planted(voltage, 0.015 * (mode - x), odd=True))["extra_resonance"]
+    assert found.agrees
+
+
 def test_a_loop_that_widens_with_the_rate() -> None:
     time = PERIOD * np.arange(40000)
     phase = 2.0 * np.pi * np.cumsum(np.geomspace(0.2, 5.0, len(time))) * PERIOD
