@@ -54,6 +54,15 @@ def usual_innovation(error: Array) -> float:
     return NORMAL * float(np.median(np.abs(new)))
 
 
+def quietest(errors: Sequence[Array]) -> float:
+    """The least `usual_innovation`, m, of stretches of residual; inf if all are too short to tell.
+
+    Readings on a coarse grid may often bring nothing new: there it is no less than rounding makes.
+    """
+    long = [error for error in errors if len(error) > 2 * ORDER]
+    return min(map(usual_innovation, long), default=np.inf)
+
+
 def _covariance(error: Array) -> Array:
     """Sums of products, m^2, of samples 0 .. ORDER apart."""
     return np.array([error[lag:] @ error[: len(error) - lag] for lag in range(ORDER + 1)])

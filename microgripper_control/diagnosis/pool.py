@@ -8,7 +8,7 @@ import numpy as np
 
 from microgripper_control.diagnosis.credibility import incredible
 from microgripper_control.diagnosis.evidence import Evidence
-from microgripper_control.diagnosis.grid import noise_under, refuted
+from microgripper_control.diagnosis.grid import noise_under, refuted, rounding
 from microgripper_control.diagnosis.trial import Trial
 from microgripper_control.effects.registry import registry
 
@@ -30,10 +30,17 @@ class Pool:
 
     @property
     def noise_floor(self) -> float:
-        """m: the innovation of whichever explanation leaves the least, rounding taken away."""
+        """m: the innovation of whichever explanation leaves the least, rounding taken away.
+
+        What a law leaves at each step or turn of the voltage is new to the samples before, but it
+        is no noise: the median passes it over. On a grid it could find nothing new at all.
+        """
         trials = [self.nominal, self.refit, *self.tried.values()]
         best = sorted(trials, key=lambda trial: trial.rmse)[:3]
-        return noise_under(min(trial.noise_floor for trial in best), self.step)
+        usual = max(
+            min(trial.quietest for trial in best), rounding(self.evidence.scales.resolution)
+        )
+        return noise_under(min(usual, *(trial.noise_floor for trial in best)), self.step)
 
     @property
     def step(self) -> float:

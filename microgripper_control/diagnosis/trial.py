@@ -15,7 +15,7 @@ import numpy as np
 
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.evidence import Evidence, rms
-from microgripper_control.diagnosis.noise import innovation
+from microgripper_control.diagnosis.noise import innovation, quietest
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.nuisance import fit_nuisance
 from microgripper_control.identification.problem import Problem
@@ -46,6 +46,11 @@ class Trial:
     def noise_floor(self) -> float:
         """The innovation of its errors, m, which cannot be more than they are."""
         return min(innovation(self.errors), self.rmse)
+
+    @cached_property
+    def quietest(self) -> float:
+        """The same by the median, m, on the quietest recording that judges it."""
+        return quietest(self.errors)
 
     @property
     def both(self) -> float:

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from microgripper_control.core.quantities import quantity
 from microgripper_control.diagnosis.evidence import MOST_SIMULATED, Evidence
-from microgripper_control.diagnosis.noise import removable, usual_innovation
+from microgripper_control.diagnosis.grid import rounding
+from microgripper_control.diagnosis.noise import quietest, removable
 from microgripper_control.diagnosis.residuals import residuals_of
 from microgripper_control.diagnosis.trial import Trial
 
@@ -23,7 +24,8 @@ def unseen_gap(evidence: Evidence, refit: Trial) -> bool:
         return False
     fitted, _ = residuals_of(evidence, refit.model)
     # A large gap, or what each step leaves, lets an innovation seem larger than the noise is.
-    floor = min(refit.noise_floor, *(usual_innovation(one.error[one.counted]) for one in fitted))
+    usual = quietest([one.error[one.counted] for one in fitted])
+    floor = min(refit.noise_floor, max(usual, rounding(evidence.scales.resolution)))
     gap, seen = removable(refit.rmse, floor), removable(refit.fitted_rmse, floor)
     return gap > REAL * floor and seen < min(SHOWN * gap, CLEAR * floor)
 

@@ -75,10 +75,10 @@ class Weights:
     fitted: float = 1.0  # weight of the fitted samples beside the judging ones
     mismatch: float = 1.2
     exact: float = 1.4
-    unknown_rest: float = 0.1
+    unknown_rest: float = 0.14
     effect: float = 4.3
     further: float = 1.0
-    unknown: float = 5.6
+    unknown: float = 6.0
     none: float = 3.4  # in favour of the model as it was given
     contradicts: float = 0.7  # against an effect whose signature should be there and is not
     unusual: float = 2.0  # against one of a size that goes by another name; not fitted to cases

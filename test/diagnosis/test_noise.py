@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from microgripper_control.diagnosis.noise import innovation, usual_innovation
+from microgripper_control.diagnosis.noise import innovation, quietest, usual_innovation
 
 WHITE = np.random.default_rng(4).normal(0.0, 15e-9, 20000)
 WAVE = 1e-6 * np.sin(2e-3 * np.pi * np.arange(20000))
@@ -29,3 +29,8 @@ def test_what_comes_now_and_then_is_new_but_not_usual() -> None:
 def test_nothing_has_no_noise() -> None:
     assert innovation([np.zeros(100)]) == 0.0
     assert usual_innovation(np.zeros(100)) == 0.0
+
+
+def test_the_quietest_stretch_that_is_long_enough() -> None:
+    assert quietest([4.0 * WHITE, WHITE, 0.1 * WHITE[:30]]) == usual_innovation(WHITE)
+    assert quietest([WHITE[:30]]) == np.inf

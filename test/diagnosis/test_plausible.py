@@ -48,6 +48,16 @@ def test_nothing_beyond_a_parameter_s_own_range_is_plausible() -> None:
             assert declared.low <= low <= high <= declared.high, (link, name)
 
 
+def test_what_is_touched_all_the_time_is_no_contact() -> None:
+    """A damped spring far below the stroke would pass for a lag of the amplifier."""
+    given = evidence(nominal_model(), 10.0)
+    model = nominal_model().with_link("contact")
+    low, high = problem_of(given, model, []).limits["contact", "position"]
+    lowest, highest = given.scales.position
+    assert lowest - 0.2 * given.scales.stroke < low < lowest
+    assert highest < high < highest + 0.2 * given.scales.stroke
+
+
 @pytest.mark.parametrize(
     ("leader", "effect", "seconds", "too_dear"),
     [

@@ -31,6 +31,7 @@ CREEP, LAG, BOTH = (
     frozenset(["sensor_lag"]),
     frozenset(["creep", "sensor_lag"]),
 )
+EVIDENCE = SimpleNamespace(scales=SimpleNamespace(resolution=0.0))  # all that is looked at
 
 
 def facts(nominal: float, refit: float, **tried: float) -> Facts:
@@ -142,11 +143,26 @@ def test_rounding_is_no_noise_once_its_grid_is_known() -> None:
     seen = float(np.hypot(15.0 * NM, step / np.sqrt(12.0)))
     white = seen * np.random.default_rng(3).standard_normal(20_000)
     left = Trial(model, (), (), seen, (white,))
-    pool = Pool(None, left, left)  # type: ignore[arg-type]  # evidence is not looked at
+    pool = Pool(EVIDENCE, left, left)  # type: ignore[arg-type]
     assert pool.noise_floor == pytest.approx(seen, rel=0.02)
     grid = replace(left, model=model.with_link("sensor_quantization", resolution=step))
     pool.tried[frozenset(["sensor_quantization"])] = grid
     assert pool.noise_floor == pytest.approx(np.sqrt(15.0**2 - (0.15 * 52.0) ** 2) * NM, rel=0.05)
+
+
+def test_what_a_law_leaves_at_steps_is_no_noise() -> None:
+    """15 nm of noise, and jumps of 1 um in every hundredth sample; a grid of 70 nm would be 20."""
+    rng = np.random.default_rng(3)
+    left = 15.0 * NM * rng.standard_normal(20_000)
+    left[::100] += 1000.0 * NM * rng.standard_normal(200)
+    model = nominal_model()
+    one = Trial(model, (), (), 100.0 * NM, (left,))
+    assert one.noise_floor > 90.0 * NM
+    pool = Pool(EVIDENCE, one, one)  # type: ignore[arg-type]
+    assert pool.noise_floor == pytest.approx(15.0 * NM, rel=0.05)
+    rounded = SimpleNamespace(scales=SimpleNamespace(resolution=70.0 * NM))
+    pool = Pool(rounded, one, one)  # type: ignore[arg-type]
+    assert pool.noise_floor == pytest.approx(70.0 * NM / np.sqrt(12.0))
 
 
 @pytest.mark.parametrize(("error", "kept"), [(60.0, True), (40.0, False)])
@@ -214,7 +230,7 @@ def test_a_further_effect_is_named_if_it_is_worth_much_more(
 def pool_of(tried: Mapping[frozenset[str], Trial]) -> Pool:
     """What was tried where the model as it is, and refitted, leaves 60 nm."""
     plain = trial(nominal_model(), 60.0)
-    return Pool(None, plain, plain, dict(tried))  # type: ignore[arg-type]  # no evidence looked at
+    return Pool(EVIDENCE, plain, plain, dict(tried))  # type: ignore[arg-type]
 
 
 def trial(model: Model, error: float) -> Trial:

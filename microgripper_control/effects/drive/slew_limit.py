@@ -25,6 +25,7 @@ from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Val
 JUMPS = (0.5, 256.0)  # V: of what sizes the end of the ramp is drawn well at any slew rate
 GROWTH = 2.0**0.5  # from boundary to boundary after a jump,
 PIECES = 12  # until they are as far apart as this part of a sample period
+SHARES = (6.0, 3.0, 1.7, 0.95, 0.8, 0.65, 0.5, 0.3, 0.1, 0.03)  # of the fastest change: guesses
 
 
 def breaks(values: Values, sample_period: float) -> set[float]:
@@ -75,8 +76,11 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
 
 
 def starts(scales: Scales) -> Sequence[Values]:
-    """Limits from just below the fastest change on record to a fraction of it, one way or both."""
-    times = [1.0 / (share * scales.rate) for share in (0.95, 0.8, 0.65, 0.5, 0.3, 0.1, 0.03)]
+    """Limits about the fastest change on record, one way or both.
+
+    A held voltage changes at once, and a limit above what the samples show still rounds its jumps.
+    """
+    times = [1.0 / (share * scales.rate) for share in SHARES]
     both = [{"rise": time, "fall": time} for time in times]
     return [
         *both,

@@ -18,6 +18,7 @@ from microgripper_control.core.signals import Array
 from microgripper_control.effects.base import Force, Link, Scales, Stage, Values
 
 REFERENCE = 1e-6  # m, r above
+BESIDE = 0.1  # of the stroke: what the nominal model may be wrong about where it ends
 HARDEST = 2.5  # times the force at rest: the beginning of an impact from which nothing springs back
 
 
@@ -59,8 +60,16 @@ def starts(scales: Scales) -> Sequence[Values]:
 
 
 def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
-    """A stop that is a hundred times stiffer than the rig is just hard: no recording tells more."""
-    return {"stiffness": (0.0, 100.0 * scales.stiffness)}
+    """What is touched all the time is a spring of the rig; what is never touched is not there.
+
+    A stop that is a hundred times stiffer than the rig is just hard: no recording tells more.
+    """
+    low, high = scales.position
+    beside = BESIDE * scales.stroke
+    return {
+        "position": (low - beside, high + beside),
+        "stiffness": (0.0, 100.0 * scales.stiffness),
+    }
 
 
 def says(values: Values, scales: Scales) -> str:

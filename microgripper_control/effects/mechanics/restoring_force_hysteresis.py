@@ -26,6 +26,8 @@ from microgripper_control.effects.material.bouc_wen import advance
 from microgripper_control.effects.memory_of_the_way import unusually_short
 
 ELEMENTS = 8  # N
+ELASTIC = 8.0  # |gamma| over beta: beyond it hardly anything is lost in a loop
+TINY = 1e-30
 
 
 def law(
@@ -113,8 +115,16 @@ def says(values: Values, scales: Scales) -> str:
 
 
 def unusual(values: Values, scales: Scales) -> float:
-    """What is forgotten after a small part of the stroke is friction."""
-    return unusually_short(memory(values), scales)
+    """What is soon forgotten is friction, and what gives all back a spring.
+
+    A Bouc-Wen force that is thermodynamically admissible has |gamma| <= beta (Erlicher and Point
+    2004); fits of other laws, and published examples, go somewhat beyond.
+    """
+    short = unusually_short(memory(values), scales)
+    if values["distributed"] == 1.0:
+        return short
+    elastic = abs(values["gamma"]) / max(values["beta"], TINY)
+    return short + min(1.0, max(0.0, math.log2(max(elastic / ELASTIC, TINY))))
 
 
 LINK = Link(

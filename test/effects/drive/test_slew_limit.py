@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from microgripper_control.core.signals import Array
+from microgripper_control.effects.base import Scales
+from microgripper_control.effects.drive.slew_limit import starts
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.simulate import simulate
 
@@ -84,3 +86,12 @@ def test_a_planted_limit_is_found(
     found, errors = recover(rig, "slew_limit", {"rise": 8e-5, "fall": 8e-5}, lively, 1e-3)
     assert np.all(np.abs(found - truth) < 4.0 * errors)
     assert np.all(errors < 0.002 * np.array(truth))
+
+
+def test_limits_that_only_round_a_jump_are_guessed_as_well() -> None:
+    """150 V within a sample of 1 ms: at 450 V/ms the mass is thrown less far than by a jump."""
+    fastest = 150.0 / 1e-3
+    scales = Scales(1e-3, 10.0, (0.0, 150.0), fastest, (0.0, 1e-4), 5e7, 0.0038)
+    limits = [1.0 / guess["rise"] for guess in starts(scales) if guess["rise"] > 0.0]
+    assert min(limits) < 0.05 * fastest
+    assert max(limits) > 3.0 * fastest

@@ -54,3 +54,13 @@ def test_either_law_is_unusual_at_the_others_size(
     assert link_named("friction").unusual(friction(way), SCALES) == pytest.approx(as_friction)
     for values in (bouc_wen(way), slipping(way)):
         assert hysteresis.unusual(values, SCALES) == pytest.approx(as_hysteresis, abs=1e-9)
+
+
+@pytest.mark.parametrize(("elastic", "unusual"), [(1.4, 0.0), (8.0, 0.0), (16.0, 1.0), (1e9, 1.0)])
+def test_a_force_that_gives_all_back_is_unusual_for_a_hysteresis(
+    elastic: float, unusual: float
+) -> None:
+    """The public benchmark has gamma = -1.4 beta."""
+    values = bouc_wen(16e-6) | {"beta": 4e4 / elastic, "gamma": -4e4}
+    found = link_named("restoring_force_hysteresis").unusual(values, SCALES)
+    assert found == pytest.approx(unusual, abs=1e-9)
