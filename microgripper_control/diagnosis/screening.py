@@ -47,7 +47,7 @@ def guesses(evidence: Evidence, bases: Sequence[Base], effect: str, wanted: int)
         for values in starts
         if (guess := _judge(evidence, base, _with(base.trial.model, effect, values)))
     ]
-    for guess in sorted(found, key=lambda guess: guess.least)[:RESCALED]:
+    for guess in sorted(found, key=lambda guess: (guess.idle, guess.least))[:RESCALED]:
         if abs(guess.strength - 1.0) < RIGHT:
             continue
         model = _stronger(guess.model, effect, guess.strength)

@@ -18,7 +18,10 @@ STROKE = 20e-6  # m
 ADDED = [link for link in registry().values() if not link.nominal]
 every_link = pytest.mark.parametrize("link", ADDED, ids=lambda link: link.name)
 # Where a parameter matters only if another one, nominally zero, is not.
-SHOWING = {"restoring_force_hysteresis": {"distributed": 0.5}}
+SHOWING = {
+    "restoring_force_hysteresis": {"distributed": 0.5},
+    "rate_dependent_hysteresis": {"slope": 3e-8},
+}
 Streamed = Callable[[Model, Array, float], Array]
 
 

@@ -16,6 +16,9 @@ With a power above zero the fast decades add more than the slow ones (Box and Co
 rate `pivot` the loop is the paper's, which has been like that all the time before a run begins. A
 jump of a held voltage counts as its height, spread over `memory`, and finds r there already.
 
+With `slope` above zero a loop of its own widens: of plays up to `widest`, whose thresholds grow by
+the share `growth` a decade (`widening_plays`); the rest of the law is then left out.
+
 `late` is the share of h that has not come yet when the voltage changes within `memory`: domains
 that switch with a delay. A share below zero overshoots.
 """
@@ -30,6 +33,7 @@ from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import percent, quantity
 from microgripper_control.core.signals import FREE, HYSTERESIS, VOLTAGE, Array, Timing
 from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
+from microgripper_control.effects.widening_plays import PLAYS, at_rest, move_plays
 
 LONGEST = 0.02  # of the longest recording
 
@@ -42,13 +46,13 @@ def grown(x: float, power: float) -> float:
 
 @compiled
 def kernel(coefficients: Array, state: Array, bus: Array) -> None:
-    """State: the voltage so far, r, h, f, e, g.
+    """State: the voltage so far, r, h, f, e, g, and the plays.
 
     A row: decay of r, what |change| of the voltage adds to r at once and on the way, 1 / reference,
     ln (1 + pivot / reference), strength, fading and turning over ln 10, fed, beta, gamma, power,
-    late.
+    late, and of the plays slope over their number, first threshold, growth over ln 10.
     """
-    steps, row = coefficients.shape[0], 0
+    steps, row, plays = coefficients.shape[0], 0, state[6:]
     u, rate, h, f, e, g = state[0], state[1], state[2], state[3], state[4], state[5]
     for j in range(bus.shape[1]):
         c = coefficients[row]
@@ -63,14 +67,14 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
             e = kept * (e - c[8] * (c[5] * level - f) * h)
             f, over, middle = c[5] * level, new, new
             rate = c[0] * rate + c[2] * way
-            later = c[5] * grown(math.log1p(rate * c[3]) - c[4], c[11])
+            last = grown(math.log1p(rate * c[3]) - c[4], c[11])
         else:
             e *= kept
             over = 0.5 * (h + new)
             middle = over * math.sqrt(kept)
             rate = c[0] * rate + c[2] * way
-            level = grown(math.log1p(rate * c[3]) - c[4], c[11])
-            later = c[5] * level
+            last = level = grown(math.log1p(rate * c[3]) - c[4], c[11])
+        later = c[5] * last
         e -= c[8] * (later - f) * middle
         whole = over + e
         turn = du if whole >= 0.0 else -du
@@ -78,6 +82,9 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
         g = over + (g - over) * c[0]
         h, f = new, later
         bus[FREE, j] -= f * h + e + c[12] * (g - h)
+        if c[13] != 0.0:
+            move_plays(plays, u, c[14], c[15] * level)
+            bus[FREE, j] -= c[13] * move_plays(plays, u, c[14], c[15] * last)
         row = row + 1 if row + 1 < steps else 0
     state[0], state[1], state[2], state[3], state[4], state[5] = u, rate, h, f, e, g
 
@@ -89,7 +96,7 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     resting = grown(-about, values["power"])
     by_decade = np.array([values[name] for name in ("strength", "fading", "turning")])
     by_decade *= np.array([1.0, values["fed"], values["fed"]]) / math.log(10.0)
-    rows = np.zeros((len(steps), 13))
+    rows = np.zeros((len(steps), 16))
     rows[:, 0] = np.exp(-steps / memory)
     if timing.ramped:
         rows[:, 2] = -np.expm1(-steps / memory) / steps
@@ -98,14 +105,16 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     rows[:, 3:] = (
         *(1.0 / values["reference"], about, *by_decade),
         *(values["fed"], values["beta"], values["gamma"], values["power"], values["late"]),
+        *(values["slope"] / PLAYS, values["widest"] / PLAYS, values["growth"] / math.log(10.0)),
     )
     h, f = levels[HYSTERESIS], by_decade[0] * resting
-    state = np.array([levels[VOLTAGE], 0.0, h, f, -values["fed"] * f * h, h])
+    own = [levels[VOLTAGE], 0.0, h, f, -values["fed"] * f * h, h]
+    state = np.append(own, at_rest(levels[VOLTAGE]))
     return Prepared(rows, state, timing.ramped)
 
 
 def starts(scales: Scales) -> Sequence[Values]:
-    """Memories from a few samples to the longest plausible one; h fed more, scaled, or late.
+    """Memories from a few samples to the longest plausible one; h fed more, scaled, or late; plays.
 
     The pivot lies between slow and fast: the refitted plant is right at rates that it has met.
     """
@@ -119,11 +128,20 @@ def starts(scales: Scales) -> Sequence[Values]:
         {"fed": 0.0},
         fed | {"reference": 300.0, "strength": 0.0, "late": 0.1},
     )
-    return [
+    of_h = [
         {"strength": 0.05, "memory": memory} | pivot | way
         for way in ways
         for memory in np.geomspace(shortest, longest(scales), 5)
     ]
+    slope = 0.1 * scales.stroke / scales.swing
+    of_plays = [
+        {"strength": 0.0, "memory": memory, "slope": slope, "reference": reference}
+        | {"widest": share * scales.swing}
+        for memory in np.geomspace(shortest, longest(scales), 3)
+        for share in (0.05, 0.12, 0.3)
+        for reference in (10.0, 100.0)
+    ]
+    return [*of_h, *of_plays]
 
 
 def longest(scales: Scales) -> float:
@@ -137,18 +155,29 @@ def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
     What makes e grow by more than a power of e^10 over the swing would run away.
     """
     most = 10.0 / scales.swing
-    memory = (1e-4, longest(scales))
-    return {"memory": memory, "fading": (-most, most), "turning": (-most, most)}
+    return {
+        "memory": (1e-4, longest(scales)),
+        "fading": (-most, most),
+        "turning": (-most, most),
+        "widest": (0.01 * scales.swing, 0.6 * scales.swing),
+    }
 
 
 def idle(values: Values) -> Collection[str]:
-    """What is not fed does not decay; `late` and `power` are left at zero if they start there."""
+    """What is not fed does not decay; `late` and `power` are left at zero if they start there.
+
+    So is `slope`, and where plays widen, nothing is done to h.
+    """
+    if values["slope"] != 0.0:
+        return "strength", "beta", "gamma", "fading", "turning", "late", "power"
     decay = () if values["fed"] else ("beta", "gamma", "fading", "turning")
-    return *decay, *(name for name in ("late", "power") if values[name] == 0.0)
+    off = (name for name in ("late", "power") if values[name] == 0.0)
+    return *decay, *off, "slope", "widest", "growth"
 
 
 def says(values: Values, scales: Scales) -> str:
-    strength, late = values["strength"], values["late"]
+    plays = values["slope"] != 0.0
+    strength, late = values["growth" if plays else "strength"], values["late"]
     if abs(late) > abs(strength):
         way, share = "narrows" if late >= 0.0 else "widens", percent(abs(late))
         change = f"{share} where the voltage changes within {quantity(values['memory'], 's', 1)}"
@@ -173,6 +202,9 @@ LINK = Link(
         Parameter("turning", "1/V", 0.0, -10.0, 10.0, "what it adds to gamma", 0.0),
         Parameter("late", "1", 0.0, -1.0, 5.0, "share of h that comes late by `memory`", 0.0),
         Parameter("power", "1", 0.0, -1.0, 1.0, "0: each decade counts; above: fast ones more"),
+        Parameter("slope", "m/V", 0.0, 0.0, 1e-3, "of the loop that plays make", 0.0),
+        Parameter("widest", "V", 20.0, 1e-3, 1e4, "threshold of the widest play"),
+        Parameter("growth", "1", 0.3, -1.0, 20.0, "of the thresholds in a decade of rate"),
         Parameter("fed", "1", 1.0, 0.0, 1.0, "1: h is fed more; 0: it is scaled", fitted=False),
         Parameter("reference", "V/s", 10.0, 1e-6, 1e9, "from where the loop widens", fitted=False),
         Parameter("pivot", "V/s", 0.0, 0.0, 1e9, "rate of the paper's loop", fitted=False),

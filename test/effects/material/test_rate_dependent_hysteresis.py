@@ -16,8 +16,10 @@ from microgripper_control.plant.simulate import Hold, Initial, simulate
 
 LINK = "rate_dependent_hysteresis"
 VALUES = {"strength": 0.2, "memory": 0.03, "reference": 5.0}
-PLAIN = {"fading": 0.0, "turning": 0.0, "power": 0.0, "late": 0.0}
+PLAIN = {"fading": 0.0, "turning": 0.0, "power": 0.0, "late": 0.0, "slope": 0.0}
+PLAYS = {"strength": 0.0, "slope": 3e-8, "widest": 24.0, "growth": 0.3}
 SCALED = VALUES | PLAIN | {"beta": 0.0152, "gamma": -0.0227, "fed": 0.0, "pivot": 0.0}
+SCALED |= {"widest": 1.0, "growth": 0.0}
 
 
 def added(u: Array, h: Array, steps: tuple[float, ...], ramped: bool, **changed: float) -> Array:
@@ -209,6 +211,57 @@ def test_planted_values_of_a_scaled_loop_are_found(
     found, errors = recover(rig, LINK, {"strength": 0.05, "memory": 0.02}, lively, 1e-3)
     assert np.all(np.abs(found - truth) < 4.0 * errors)
     assert np.all(errors < 0.1 * truth)
+
+
+@pytest.mark.parametrize("ramped", [True, False])
+def test_plays_widen_by_the_same_in_each_decade_of_rate(ramped: bool) -> None:
+    """On a long ramp each play is its threshold behind: on average 9/16 of the widest one."""
+    for rate in (0.5, 50.0, 5000.0):
+        u = rate * 1e-3 * np.arange(1, 400_001)
+        out = added(u, np.zeros(len(u)), (1e-3,), ramped, **PLAYS)
+        # Held, a jump finds all of its height in the rate, and at the end of the step less is left.
+        seen = rate * (1.0 if ramped else 1e-3 / VALUES["memory"] / np.expm1(1e-3 / 0.03))
+        wider = PLAYS["growth"] * np.log10(1.0 + seen / VALUES["reference"])
+        behind = PLAYS["slope"] * PLAYS["widest"] * 9.0 / 16.0 * wider
+        np.testing.assert_allclose(out[-1], -behind, rtol=1e-6)
+
+
+def test_plays_meet_plays_marched_finely() -> None:
+    """A decaying oscillation, each play by itself, the rate by `solve_ivp`."""
+    t = np.linspace(0.0, 3.0, 60_001)
+    u = 60.0 * np.exp(-0.7 * t) * np.sin(2.0 * np.pi * (1.0 + 1.5 * t) * t)
+    speed = np.gradient(u, t)
+    memory = VALUES["memory"]
+    solved = solve_ivp(
+        lambda at, r: (np.abs(np.interp(at, t, speed)) - r) / memory,
+        (0.0, 3.0),
+        [0.0],
+        t_eval=t,
+        rtol=1e-8,
+        max_step=1e-3,
+    )
+    wider = PLAYS["growth"] * np.log10(1.0 + solved.y[0] / VALUES["reference"])
+    wanted = np.zeros(len(t))
+    for threshold in PLAYS["widest"] * np.arange(1, 9) / 8.0:
+        for sign, limits in ((1.0, threshold * (1.0 + wider)), (-1.0, np.full(len(t), threshold))):
+            y = 0.0
+            for j, limit in enumerate(limits):
+                y = min(max(y, u[j] - limit), u[j] + limit)
+                wanted[j] -= sign * PLAYS["slope"] / 8.0 * (u[j] - y)
+    out = added(u[1:], np.zeros(len(u) - 1), (t[1],), True, **PLAYS)
+    np.testing.assert_allclose(out, wanted[1:], atol=2e-4 * np.ptp(wanted))
+
+
+def test_planted_values_of_widening_plays_are_found(
+    paper: Model, lively: Array, recover: Callable[..., tuple[Array, Array]]
+) -> None:
+    truth = {"memory": 0.03, "slope": 3e-8, "widest": 24.0, "growth": 0.4}
+    rig = paper.with_link(LINK, **truth, strength=0.0, reference=50.0)
+    start = {"memory": 0.02, "slope": 2e-8, "widest": 20.0, "growth": 0.3}
+    found, errors = recover(rig, LINK, start, lively, 1e-3)
+    wanted = np.array(list(truth.values()))
+    assert np.all(np.abs(found - wanted) < 4.0 * errors)
+    assert np.all(errors < 0.3 * np.abs(wanted))
 
 
 def test_what_lasts_for_long_is_no_rate() -> None:
