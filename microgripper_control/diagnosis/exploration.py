@@ -21,7 +21,7 @@ from microgripper_control.diagnosis.part import (
     is_dear,
     is_dear_with,
     is_force,
-    is_too_dear_with,
+    may_join,
     refined,
 )
 from microgripper_control.diagnosis.pool import Pool
@@ -94,7 +94,8 @@ def explore(
                 continue
             leader = refined(evidence, leader, POLISHED, 60)
             pool.add(leader)
-            rest = _joining(evidence, leader, fitted)
+            rest = [name for name in fitted if name not in leader.effects]
+            rest = [name for name in rest if may_join(evidence, leader, name)]
             bases = [base_of(evidence, leader)]
             most = SECONDS_IF_DEAR if costly else SECONDS
             for trial in _round(evidence, bases, rest, most, pool, progress, jobs):
@@ -134,18 +135,6 @@ def _settled(pool: Pool) -> Pool:
                 settled.add(again)
                 settled.add(refined(evidence, again, POLISHED, 60))
     return min(pool, settled, key=lambda one: min(t.rmse for t in (one.refit, *one.tried.values())))
-
-
-def _joining(evidence: Evidence, leader: Trial, names: Sequence[str]) -> list[str]:
-    """The effects that may join a leader; a dear force may not be the third."""
-    others = [
-        name
-        for name in names
-        if name not in leader.effects and not is_too_dear_with(evidence, leader, name)
-    ]
-    if len(leader.effects) < 2:
-        return others
-    return [name for name in others if not is_dear_with(evidence, leader, name)]
 
 
 def _unexplained(best: Sequence[Trial], pool: Pool) -> bool:

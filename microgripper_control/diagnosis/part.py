@@ -86,12 +86,17 @@ def is_dear_with(evidence: Evidence, trial: Trial, effect: str) -> bool:
     return model is not None and is_dear(evidence, model)
 
 
-def is_too_dear_with(evidence: Evidence, trial: Trial, effect: str) -> bool:
-    """Whether forces are balanced so often then that one simulation takes about a second."""
+def may_join(evidence: Evidence, trial: Trial, effect: str) -> bool:
+    """Whether an effect may be added to a trial's: a dear force beside two would take minutes.
+
+    Beside one it may, unless forces are then balanced so often that one simulation takes a second.
+    """
     model = _with(evidence, trial, effect)
     labour = _labour_of_forces(evidence, model) if model is not None else 0
+    if labour <= MANY_ROWS:
+        return True
     samples = sum(len(recording) for recording in evidence.fitted)
-    return labour > MANY_ROWS and samples * labour > MOST_ROWS
+    return len(trial.effects) < 2 and samples * labour <= MOST_ROWS
 
 
 def _with(evidence: Evidence, trial: Trial, effect: str) -> Model | None:

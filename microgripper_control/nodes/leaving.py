@@ -1,7 +1,7 @@
 """The end of a process: waited for, but not for ever.
 
-Now and then, under load, a process that had done all its work never came back from the middleware's
-end. Whoever waits for it, a launch file or a script, would wait as long.
+Once, under load, a process that had done all its work never came back from the middleware's end.
+Whoever waits for it, a launch file or a script, would wait as long.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ import pytest
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.diagnosis.evidence import Evidence
-from microgripper_control.diagnosis.part import is_too_dear_with
+from microgripper_control.diagnosis.part import may_join
 from microgripper_control.diagnosis.trial import Trial, problem_of
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.nuisance import Conditions
@@ -73,4 +73,13 @@ def test_what_would_take_seconds_a_simulation_joins_no_other(
     given = evidence(nominal_model(), seconds, hold=Hold.FIRST)
     model = nominal_model().with_link(leader, **registry()[leader].starts(given.scales)[0])
     trial = Trial(model, (), (0.0,), 1e-7)
-    assert is_too_dear_with(given, trial, effect) == too_dear
+    assert may_join(given, trial, effect) != too_dear
+
+
+@pytest.mark.parametrize(("effect", "may"), [("friction", False), ("mains_hum", True)])
+def test_a_dear_force_is_not_the_third(effect: str, may: bool) -> None:
+    given = evidence(nominal_model(), 5.0, hold=Hold.FIRST)
+    model = nominal_model().with_link("creep")
+    assert may_join(given, Trial(model, (), (0.0,), 1e-7), effect)
+    trial = Trial(model.with_link("slew_limit"), (), (0.0,), 1e-7)
+    assert may_join(given, trial, effect) == may
