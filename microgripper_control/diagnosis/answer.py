@@ -30,8 +30,9 @@ from microgripper_control.plant.model import Model, Setting
 Weighed = Mapping[Explanation, float]
 ANSWERS = {NOTHING: NONE, MISTUNED: PARAMETERS, OUTSIDE: UNKNOWN}
 WORTH_NAMING = 5.0  # times as probable as without it: a further effect that is named
-RIVAL = 0.15  # of the chosen explanation's probability: as good for all we know,
-ALIKE = 0.5  # of the noise floor, beyond what it leaves: more than that these recordings tell apart
+RIVAL = 0.15  # of the chosen explanation's probability: may be it for all we know,
+EQUAL = 0.8  # and what cannot be told from it, if it leaves about as much:
+ALIKE = 0.5  # of the noise floor, beyond what the chosen one leaves, at most
 MOST_RIVALS = 4
 AT_BOUND = 1e-3  # of the range
 
@@ -41,7 +42,7 @@ def verdict(weighed: Weighed, pool: Pool) -> str:
     kinds = {name: weighed.get(answer, 0.0) for answer, name in ANSWERS.items()}
     if best := chosen(weighed, pool):
         first = by_importance(best, pool)[0]
-        alike = [group for group in ambiguous(weighed, pool) if first in group]
+        alike = [group for group in _stand_ins(weighed, pool, RIVAL) if first in group]
         led = _led(weighed, pool)
         named = {first, *(name for group in alike for name in group)} & led.keys()
         kinds[EFFECTS] = math.fsum(p for name in named for p in led[name].values())
@@ -171,12 +172,22 @@ def stages(found: Sequence[Candidate]) -> dict[str, float]:
 
 
 def ambiguous(weighed: Weighed, pool: Pool) -> tuple[tuple[str, ...], ...]:
-    """Groups of effects that could stand for each other in the chosen explanation."""
+    """Groups of effects that these recordings do not tell apart in the chosen explanation.
+
+    A rival's law bends further than a rig's own, so what is much less probable but leaves as little
+    is told apart all the same: of twelve groups that examinations had seen, the rig's own laws
+    agreed in none.
+    """
+    return _stand_ins(weighed, pool, EQUAL)
+
+
+def _stand_ins(weighed: Weighed, pool: Pool, share: float) -> tuple[tuple[str, ...], ...]:
+    """Groups of effects that leave alike and of which one is `share` as probable as the other."""
     best = chosen(weighed, pool)
     least = explained(best, pool.tried[best], pool)
     groups: dict[str, set[str]] = {}
     for other, probability in weighed.items():
-        if other in ANSWERS or len(other) != len(best) or probability < RIVAL * weighed[best]:
+        if other in ANSWERS or len(other) != len(best) or probability < share * weighed[best]:
             continue
         ours, theirs = best - other, other - best
         left = explained(other, pool.tried[other], pool)
