@@ -66,12 +66,15 @@ def draw_tracking(path: Path, recording: Recording, parts: Sequence[Tracking]) -
     """Setpoint and displacement of each mode over one another, and their differences."""
     assert recording.setpoint is not None
     modes = list(dict.fromkeys(part.mode for part in parts))
+    runs = {mode: [part for part in parts if part.mode == mode] for mode in modes}
+    spans = {mode: slice(own[0].start, own[-1].stop) for mode, own in runs.items()}
+    longest = max(span.stop - span.start for span in spans.values())
     with figure(path, (8.0, 5.5)) as drawn:
         course, error = drawn.subplots(2, 1, sharex=True, height_ratios=(3, 2))
-        for mode in modes:
-            own = [part for part in parts if part.mode == mode]
-            span = slice(own[0].start, own[-1].stop)
-            time = recording.sample_period * np.arange(span.stop - span.start)
+        for mode, span in spans.items():
+            # They end together: the beginning of the first may not have been recorded.
+            begin = longest - (span.stop - span.start)
+            time = recording.sample_period * np.arange(begin, longest)
             wanted, reached = recording.setpoint[span], recording.measured[span]
             if mode == modes[0]:
                 course.plot(time, MICRO * wanted, color=MEASURED, lw=1.6, label="setpoint")

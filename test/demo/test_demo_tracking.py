@@ -110,8 +110,10 @@ def test_a_segment_that_was_mostly_missed_is_said_to_be() -> None:
             assert parts[mode, "sine"].rms == pytest.approx(PLANTED[mode], rel=1e-6)
 
 
-def test_the_recorder_may_come_during_the_warm_up() -> None:
-    whole, missing = recording(), BEFORE + 1500
+@pytest.mark.parametrize("seconds", [1.5, 2.14, 5.0])
+def test_the_recorder_may_come_during_the_warm_up_or_later(seconds: float) -> None:
+    """What of the staircase was not recorded was missed: it begins after 2 s and lasts 6.5 s."""
+    whole, missing = recording(), BEFORE + round(seconds / SAMPLE_PERIOD)
     assert whole.setpoint is not None
     late = replace(
         whole,
@@ -120,9 +122,14 @@ def test_the_recorder_may_come_during_the_warm_up() -> None:
         setpoint=whole.setpoint[missing:],
         start=START + SAMPLE_PERIOD * missing,
     )
-    parts = tracking(late, RUNS)
-    assert [part.start + missing for part in parts] == [p.start for p in tracking(whole, RUNS)]
-    for part in parts:
+    first, *others = tracking(late, RUNS)
+    expected = tracking(whole, RUNS)
+    for part, entire in zip([first, *others], expected, strict=True):
+        assert part.start == max(0, entire.start - missing)
+        assert part.stop == entire.stop - missing
+    assert first.missed == pytest.approx(max(0.0, seconds - 2.0) / 6.5, abs=1e-9)
+    assert (first.rms is None) == (first.missed > MOST_MISSED)
+    for part in others:
         assert part.missed == 0.0
         assert part.rms == pytest.approx(PLANTED[part.mode], rel=1e-6)
 
