@@ -37,7 +37,7 @@ class Tracking:
 def tracking(recording: Recording, runs: Sequence[Run]) -> list[Tracking]:
     """The tracking of each mode and segment; the warm-up does not count.
 
-    A run of which the recording does not have the whole time is left out.
+    A run of which the recording does not have the end is left out.
     """
     if recording.setpoint is None:
         raise MicrogripperError(f"{recording.name}: has no setpoint; record the topic too")

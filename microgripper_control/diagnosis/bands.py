@@ -11,7 +11,13 @@ from scipy.ndimage import median_filter
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.findings import Range
 from microgripper_control.diagnosis.residuals import Residual, gap_power
-from microgripper_control.diagnosis.spectra import PADDING, Spectrum, same_clock, spectrum_of
+from microgripper_control.diagnosis.spectra import (
+    PADDING,
+    Spectrum,
+    same_clock,
+    shortest_stretch,
+    spectrum_of,
+)
 
 NOTHING = 1e-30  # m^2/Hz: below any sensor's noise
 OWN = 0.3  # of the motion's density at a peak of the error, at least: else it is a share of it
@@ -93,7 +99,8 @@ def resonances(group: Sequence[Residual], noise: float) -> list[Peak]:
     What is narrower than a spectrum's resolution shows as a peak in one that is finer.
     """
     found: list[Peak] = []
-    for length in LENGTHS:
+    longest = shortest_stretch(group)  # the recordings allow no finer spectrum
+    for length in sorted({min(length, longest) for length in LENGTHS}):
         spectrum = spectrum_of(group, length)
         peaks = [] if spectrum is None else find_peaks(spectrum, noise)
         found += [p for p in peaks if not p.line and all(p.apart(known) for known in found)]

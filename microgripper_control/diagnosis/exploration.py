@@ -94,8 +94,11 @@ def explore(
                 continue
             leader = refined(evidence, leader, POLISHED, 60)
             pool.add(leader)
-            rest = [name for name in fitted if name not in leader.effects]
-            rest = [name for name in rest if may_join(evidence, leader, name)]
+            rest = [
+                name
+                for name in fitted
+                if name not in leader.effects and may_join(evidence, leader, name)
+            ]
             bases = [base_of(evidence, leader)]
             most = SECONDS_IF_DEAR if costly else SECONDS
             for trial in _round(evidence, bases, rest, most, pool, progress, jobs):

@@ -57,7 +57,7 @@ def usual_innovation(error: Array) -> float:
 def quietest(errors: Sequence[Array]) -> float:
     """The least `usual_innovation`, m, of stretches of residual; inf if all are too short to tell.
 
-    Readings on a coarse grid may often bring nothing new: there it is no less than rounding makes.
+    On a coarse grid readings may often bring nothing new: the noise is no less than rounding then.
     """
     long = [error for error in errors if len(error) > 2 * ORDER]
     return min(map(usual_innovation, long), default=np.inf)

@@ -78,13 +78,19 @@ def gap_power(residuals: Sequence[Residual], noise: float) -> float:
 
 def residuals_of(evidence: Evidence, model: Model) -> tuple[list[Residual], list[Residual]]:
     """What a model leaves where it was fitted and where it is judged."""
+    judging = zip(evidence.judged, evidence.predictions(model), strict=True)
+    return fitted_residuals(evidence, model), [
+        _left(r, prediction, counted) for r, (prediction, counted) in judging
+    ]
 
-    def left(recording: Recording, prediction: Array, counted: Mask) -> Residual:
-        return Residual(recording, recording.measured - prediction, counted)
 
-    fitted = [
-        left(r, heldout_prediction(model, r, evidence.conditions)[0], used & r.explained)
+def fitted_residuals(evidence: Evidence, model: Model) -> list[Residual]:
+    """What a model leaves where it was fitted."""
+    return [
+        _left(r, heldout_prediction(model, r, evidence.conditions)[0], used & r.explained)
         for r, used in zip(evidence.fitted, evidence.used, strict=True)
     ]
-    judging = zip(evidence.judged, evidence.predictions(model), strict=True)
-    return fitted, [left(r, prediction, counted) for r, (prediction, counted) in judging]
+
+
+def _left(recording: Recording, prediction: Array, counted: Mask) -> Residual:
+    return Residual(recording, recording.measured - prediction, counted)

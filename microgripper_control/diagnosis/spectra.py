@@ -45,6 +45,11 @@ class Spectrum:
         return float(np.sum(self.error[inside])) * self.step
 
 
+def shortest_stretch(residuals: Sequence[Residual]) -> int:
+    """The samples of the shortest stretch that is looked at; 0 for none."""
+    return min((r.stop - r.start for one in residuals for r in one.runs(SHORTEST)), default=0)
+
+
 def spectrum_of(residuals: Sequence[Residual], length: int | None = None) -> Spectrum | None:
     """The spectra of residuals of one sample period, by Welch's method; None for no stretch.
 
@@ -54,7 +59,7 @@ def spectrum_of(residuals: Sequence[Residual], length: int | None = None) -> Spe
     runs = [(residual, run) for residual in residuals for run in residual.runs(SHORTEST)]
     if not runs:
         return None
-    shortest = min(run.stop - run.start for _, run in runs)
+    shortest = shortest_stretch(residuals)
     size = shortest if length is None else min(length, shortest)
     window = hann(size, sym=False)
     scale = 2.0 * period / float(window @ window)

@@ -10,7 +10,7 @@ from microgripper_control.core.quantities import quantity
 from microgripper_control.diagnosis.evidence import MOST_SIMULATED, Evidence
 from microgripper_control.diagnosis.grid import rounding
 from microgripper_control.diagnosis.noise import quietest, removable
-from microgripper_control.diagnosis.residuals import residuals_of
+from microgripper_control.diagnosis.residuals import fitted_residuals
 from microgripper_control.diagnosis.trial import Trial
 
 SHOWN = 0.3  # of the gap on the held-out recordings: the others show it if theirs is larger,
@@ -22,7 +22,7 @@ def unseen_gap(evidence: Evidence, refit: Trial) -> bool:
     """Whether the refitted model fails on the held-out recordings by what the fit never saw."""
     if not evidence.separate or _samples(evidence) > MOST_SIMULATED:
         return False
-    fitted, _ = residuals_of(evidence, refit.model)
+    fitted = fitted_residuals(evidence, refit.model)
     # A large gap, or what each step leaves, lets an innovation seem larger than the noise is.
     usual = quietest([one.error[one.counted] for one in fitted])
     floor = min(refit.noise_floor, max(usual, rounding(evidence.scales.resolution)))

@@ -17,7 +17,7 @@ rate `pivot` the loop is the paper's, which has been like that all the time befo
 jump of a held voltage counts as its height, spread over `memory`, and finds r there already.
 
 With `slope` above zero a loop of its own widens: of plays up to `widest`, whose thresholds grow by
-the share `growth` a decade (`widening_plays`); the rest of the law is then left out.
+the share `growth` a decade (`widening_plays`); a fit then leaves the rest of the law as it is.
 
 `late` is the share of h that has not come yet when the voltage changes within `memory`: domains
 that switch with a delay. A share below zero overshoots.
