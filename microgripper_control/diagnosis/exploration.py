@@ -27,6 +27,7 @@ from microgripper_control.diagnosis.part import (
 from microgripper_control.diagnosis.pool import Pool
 from microgripper_control.diagnosis.schedule import side_by_side
 from microgripper_control.diagnosis.trial import Trial, judged, unfitted
+from microgripper_control.effects.base import Scales, no_courses
 from microgripper_control.effects.registry import registry
 
 MOST_EFFECTS = 3
@@ -67,7 +68,7 @@ def explore(
     refit, *others = refits
     pool = Pool(evidence, nominal, refit)
     names = [name for name in candidates if name not in pool.own]
-    fitted = [name for name in names if not registry()[name].read_off]
+    fitted = [name for name in names if not _is_read_off(name)]
     far = replace(nominal, free=refit.free)  # from where it is, but no parameter stays there
     bases = [base_of(evidence, trial) for trial in (refit, *others, far)]
     # From cheap to dear: a look is enough at what costs more and has nothing left to explain.
@@ -76,7 +77,7 @@ def explore(
     for some in (cheap, [name for name in names if name not in (*cheap, *dear)], dear):
         for trial in _round(evidence, bases, some, len(some), pool, progress, jobs):
             pool.add(trial)
-    pool = _settled(pool)
+    pool = _settled(pool, jobs)
     evidence = pool.evidence
     for size in range(1, MOST_EFFECTS):
         best = pool.best(size, 1)
@@ -108,7 +109,7 @@ def explore(
     return pool
 
 
-def _settled(pool: Pool) -> Pool:
+def _settled(pool: Pool, jobs: int) -> Pool:
     """The same on settled evidence, where that foretells the judging samples better.
 
     The first periods have chosen where the fits go on from. They are kept if they are worth more
@@ -119,25 +120,44 @@ def _settled(pool: Pool) -> Pool:
         return pool
     settled = Pool(
         evidence,
-        judged(evidence, unfitted(evidence, pool.nominal)),
+        _as_it_was(evidence, pool.nominal),
         refine(evidence, pool.refit, ROUGH, STEPS),
         failures=pool.failures,
     )
-    bases = [base_of(evidence, settled.refit)]
-    leaders = pool.best(1, LEADERS)
-    for effects, trial in pool.tried.items():
-        if trial not in leaders or any(registry()[name].read_off for name in effects):
-            settled.add(judged(evidence, unfitted(evidence, trial)))
-            continue
-        settled.add(polish(evidence, trial))
-        if is_dear(evidence, trial.model):
-            continue
-        for name in effects:  # what the first period has led astray begins afresh
-            again = attempt(evidence, bases, name, PART, np.inf)[1]
-            if again is not None:
-                settled.add(again)
-                settled.add(refined(evidence, again, POLISHED, 60))
+    leaders = [t for t in pool.best(1, LEADERS) if not any(map(_is_read_off, t.effects))]
+    others = [trial for trial in pool.tried.values() if trial not in leaders]
+    for trial in side_by_side(_as_it_was, [(evidence, trial) for trial in others], jobs):
+        settled.add(trial)
+    for trial in side_by_side(polish, [(evidence, trial) for trial in leaders], jobs):
+        settled.add(trial)
+    # What the first period has led astray begins afresh, unless nothing is left to explain.
+    if _unexplained(settled.best(1, 1) or [settled.refit], settled):
+        base = base_of(evidence, settled.refit)
+        tasks = [
+            (evidence, base, name)
+            for trial in leaders
+            if not is_dear(evidence, trial.model)
+            for name in trial.effects
+        ]
+        for trials in side_by_side(_afresh, tasks, jobs):
+            for trial in trials:
+                settled.add(trial)
     return min(pool, settled, key=lambda one: min(t.rmse for t in (one.refit, *one.tried.values())))
+
+
+def _is_read_off(effect: str) -> bool:
+    return registry()[effect].read_off
+
+
+def _as_it_was(evidence: Evidence, trial: Trial) -> Trial:
+    """A trial judged with the same values on other evidence."""
+    return judged(evidence, unfitted(evidence, trial))
+
+
+def _afresh(evidence: Evidence, base: Base, name: str) -> list[Trial]:
+    """The best fit of an effect from first guesses, as it is and fitted on to the end."""
+    found = attempt(evidence, [base], name, PART, np.inf)[1]
+    return [] if found is None else [found, refined(evidence, found, POLISHED, 60)]
 
 
 def _unexplained(best: Sequence[Trial], pool: Pool) -> bool:
@@ -177,7 +197,7 @@ def _add_chosen(evidence: Evidence, pool: Pool, names: Sequence[str]) -> None:
     """Put effects that are read off, not fitted (a sensor's grid), behind the best explanations."""
     pool.drop_refuted_grid()
     leaders = [trial for size in range(1, MOST_EFFECTS) for trial in pool.best(size, BEAM)]
-    for name in (n for n in names if registry()[n].read_off and frozenset([n]) in pool.tried):
+    for name in (n for n in names if _is_read_off(n) and frozenset([n]) in pool.tried):
         for leader in leaders:
             if name not in leader.effects:
                 pool.add(behind(evidence, leader, name))
@@ -203,7 +223,9 @@ def _round(
     shown, near = (PART, NEAR) if wanting else (GLANCE, NEAR_IF_JOINED)
     known = [trial.fitted_rmse for trial in pool.tried.values()]
     hopeless = np.inf if wanting or not known else near * min(known)
-    tasks = [(evidence, bases, name, shown, hopeless) for name in names]
+    tasks = [
+        (evidence, bases, name, shown, hopeless) for name in _long_first(names, evidence.scales)
+    ]
     progress("", 0, len(tasks))
     for done, (name, trial, why) in enumerate(side_by_side(attempt, tasks, jobs), start=1):
         progress(name, done, len(tasks))
@@ -224,6 +246,16 @@ def _round(
     yield from side_by_side(
         polish, [(evidence, t) for t in _going_on(evidence, best, least, near)], jobs
     )
+
+
+def _long_first(names: Sequence[str], scales: Scales) -> list[str]:
+    """The effects in about the order of how long they take, so that no core is left waiting.
+
+    Those with courses are projected off them anew at each step, others have many first guesses.
+    """
+    links = [registry()[name] for name in names]
+    links.sort(key=lambda link: (link.courses is no_courses, -len(link.starts(scales))))
+    return [link.name for link in links]
 
 
 def _promising(

@@ -129,12 +129,12 @@ def _carry(c: Array, i: int, to: int, begin: Pair, w0: float, w1: float, f: floa
     """Where a table of row i takes x and v if F were zero but at the beginning."""
     x, v = begin
     k = to + V_TABLE
+    # What is known first comes first: x and v wait for no more than two products.
+    fx = c[i, to + 4] * f + (c[i, to + 2] * w0 + c[i, to + 3] * w1)
+    fv = c[i, k + 4] * f + (c[i, k + 2] * w0 + c[i, k + 3] * w1)
     return (
-        c[i, to + 2] * w0
-        + c[i, to + 3] * w1
-        + (c[i, to] * x + c[i, to + 1] * v)
-        + c[i, to + 4] * f,
-        c[i, k + 2] * w0 + c[i, k + 3] * w1 + (c[i, k] * x + c[i, k + 1] * v) + c[i, k + 4] * f,
+        c[i, to] * x + (c[i, to + 1] * v + fx),
+        c[i, k] * x + (c[i, k + 1] * v + fv),
     )
 
 

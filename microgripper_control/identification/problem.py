@@ -209,17 +209,18 @@ class Problem:
         return self._projection(model, index)(self._error(model, index, h))
 
     def _projection(self, model: Model, index: int) -> Projection:
-        """Kept while the courses stay as they are."""
+        """Kept for two states of the courses: those at a point and those a step away."""
         settings = {n: s for n, s in model.settings.items() if n in self._with_courses}
-        kept = self._projections.get(index)
-        if kept is None or kept[0] != settings:
-            shapes = courses(model, self.recordings[index])[:, self.masks[index]]
-            kept = settings, Projection.off(shapes)
-            self._projections[index] = kept
-        return kept[1]
+        kept = self._projections.setdefault(index, [])
+        for known, projection in kept:
+            if known == settings:
+                return projection
+        shapes = courses(model, self.recordings[index])[:, self.masks[index]]
+        kept[:] = [*kept[-1:], (settings, Projection.off(shapes))]
+        return kept[-1][1]
 
     @cached_property
-    def _projections(self) -> dict[int, tuple[object, Projection]]:
+    def _projections(self) -> dict[int, list[tuple[object, Projection]]]:
         return {}
 
     @cached_property

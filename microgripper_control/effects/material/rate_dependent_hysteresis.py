@@ -54,16 +54,20 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
     """
     steps, row, plays = coefficients.shape[0], 0, state[6:]
     u, rate, h, f, e, g = state[0], state[1], state[2], state[3], state[4], state[5]
+    c = coefficients[0]
+    last = grown(math.log1p(rate * c[3]) - c[4], c[11])
     for j in range(bus.shape[1]):
         c = coefficients[row]
         du, new = bus[VOLTAGE, j] - u, bus[HYSTERESIS, j]
         u = bus[VOLTAGE, j]
-        way = abs(du)
-        turn = du if h + new >= 0.0 else -du
-        kept = math.exp(-(c[9] * way + c[10] * turn))
+        way, kept, level = abs(du), 1.0, last
+        if way > 0.0:  # as most steps between two samples of a held voltage have it not
+            turn = du if h + new >= 0.0 else -du
+            kept = math.exp(-(c[9] * way + c[10] * turn))
         if c[1] > 0.0:  # held: first the rate jumps, then the voltage, and then the rate decays
-            rate += c[1] * way
-            level = grown(math.log1p(rate * c[3]) - c[4], c[11])
+            if way > 0.0:
+                rate += c[1] * way
+                level = grown(math.log1p(rate * c[3]) - c[4], c[11])
             e = kept * (e - c[8] * (c[5] * level - f) * h)
             f, over, middle = c[5] * level, new, new
             rate = c[0] * rate + c[2] * way
@@ -76,14 +80,16 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
             last = level = grown(math.log1p(rate * c[3]) - c[4], c[11])
         later = c[5] * last
         e -= c[8] * (later - f) * middle
-        whole = over + e
-        turn = du if whole >= 0.0 else -du
-        e += whole * math.expm1(-level * (c[6] * way + c[7] * turn))
+        if way > 0.0:
+            whole = over + e
+            turn = du if whole >= 0.0 else -du
+            e += whole * math.expm1(-level * (c[6] * way + c[7] * turn))
         g = over + (g - over) * c[0]
         h, f = new, later
         bus[FREE, j] -= f * h + e + c[12] * (g - h)
         if c[13] != 0.0:
-            move_plays(plays, u, c[14], c[15] * level)
+            if way > 0.0:
+                move_plays(plays, u, c[14], c[15] * level)
             bus[FREE, j] -= c[13] * move_plays(plays, u, c[14], c[15] * last)
         row = row + 1 if row + 1 < steps else 0
     state[0], state[1], state[2], state[3], state[4], state[5] = u, rate, h, f, e, g

@@ -62,9 +62,10 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
     for j in range(bus.shape[1]):
         c = coefficients[row]
         new = bus[FREE, j]
+        # What is new first, x and v last: the next step waits for no more than two products.
         x, v = (
-            c[4] * w + c[6] * new + (c[0] * x + c[1] * v),
-            c[5] * w + c[7] * new + (c[2] * x + c[3] * v),
+            c[0] * x + (c[1] * v + (c[4] * w + c[6] * new)),
+            c[2] * x + (c[3] * v + (c[5] * w + c[7] * new)),
         )
         w = new
         bus[POSITION, j] = x
