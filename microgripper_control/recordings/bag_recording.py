@@ -167,7 +167,7 @@ def _series(bag: Bag, *choices: Choice) -> Series:
             return Series(received, None, np.empty((0, len(choices))))
         raise MicrogripperError(f"{bag.path}: topic {topic} holds no messages")
     values = table[:, 2:] * np.array([choice.scale for choice in choices])
-    if not np.any(np.nan_to_num(table[:, :2])):
+    if not any(np.any(part > 0.0) or np.any(part < 0.0) for part in table[:, :2].T):  # or NaN
         return Series(received, None, values)
     seconds, nanoseconds = table[:, :2].astype(np.int64).T
     return Series(received, seconds * 10**9 + nanoseconds, values)

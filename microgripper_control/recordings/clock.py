@@ -166,16 +166,18 @@ class _Clock:
     @classmethod
     def through(cls, time: Array, ticks: Array) -> _Clock:
         """The clock that fits best where the stamps are not out of all order."""
-        near = np.ones(len(time), bool)
+        k, t = ticks, time
         for _ in range(3):
-            k, t = ticks[near], time[near]
             centred = k - k.mean()
             period = float(centred @ (t - t.mean()) / (centred @ centred))
-            jitter = time / period - ticks
+            jitter = time / period
+            jitter -= ticks
             jitter -= np.median(jitter)
             near = np.abs(jitter) < 0.5
-            if np.count_nonzero(near) < 0.5 * len(time):
+            count = np.count_nonzero(near)
+            if count == len(k) or count < 0.5 * len(time):
                 break
+            k, t = ticks[near], time[near]
         return cls(period, ticks - ticks[0], jitter)
 
     def fits(self, time: Array) -> bool:

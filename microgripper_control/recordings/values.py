@@ -42,9 +42,11 @@ def topic_values(bag: Bag, topic: Topic, pick: Pick) -> tuple[Integers, Array]:
         raise MicrogripperError(f"{bag.path}: topic {topic} {error}") from None
     if not count:
         return np.empty(0, np.int64), np.empty((0, 0))
-    times = np.concatenate(received)
+    times, numbers = np.concatenate(received), np.concatenate(values)
+    if np.all(times[1:] >= times[:-1]):
+        return times, numbers
     order = np.argsort(times, kind="stable")
-    return times[order], np.concatenate(values)[order]
+    return times[order], numbers[order]
 
 
 def block_values(block: Block, types: Typesdict, pick: Pick, before: int) -> Array:
