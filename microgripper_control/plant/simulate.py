@@ -82,11 +82,11 @@ def simulate(
 def _run(chain: Chain, drive: Drive, positions: Array) -> None:
     """Fill in the positions after each sample period, a block of them at a time."""
     at_once = max(1, BLOCK // chain.steps)
-    bus = np.zeros((ROWS, 0))
+    bus = np.empty((ROWS, 0))
     for begin in range(0, len(positions), at_once):
         part = positions[begin : begin + at_once]
         if bus.shape[1] != len(part) * chain.steps:
-            bus = np.zeros((ROWS, len(part) * chain.steps))
+            bus = np.empty((ROWS, len(part) * chain.steps))
         drive(bus, begin)
         chain.advance(bus)
         part[:] = bus[POSITION, chain.steps - 1 :: chain.steps]

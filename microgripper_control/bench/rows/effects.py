@@ -46,7 +46,9 @@ class Subject:
 
     def contestant(self) -> Contestant:
         """Runs over `SAMPLES` samples; timed per step."""
-        voltage = np.repeat(rig.voltage(SAMPLES), self.chain.steps)
+        # It moves in each step, as it does behind an amplifier: links may skip what is held.
+        samples = np.arange(SAMPLES * self.chain.steps) / self.chain.steps
+        voltage = np.interp(samples, np.arange(SAMPLES), rig.voltage(SAMPLES))
         bus = np.zeros((ROWS, len(voltage)))
 
         def run() -> None:

@@ -61,11 +61,12 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
         du, new = bus[VOLTAGE, j] - u, bus[HYSTERESIS, j]
         u = bus[VOLTAGE, j]
         way, kept, level = abs(du), 1.0, last
-        if way > 0.0:  # as most steps between two samples of a held voltage have it not
+        moves = c[1] == 0.0 or way > 0.0  # between two samples a held voltage mostly does not
+        if moves:
             turn = du if h + new >= 0.0 else -du
             kept = math.exp(-(c[9] * way + c[10] * turn))
         if c[1] > 0.0:  # held: first the rate jumps, then the voltage, and then the rate decays
-            if way > 0.0:
+            if moves:
                 rate += c[1] * way
                 level = grown(math.log1p(rate * c[3]) - c[4], c[11])
             e = kept * (e - c[8] * (c[5] * level - f) * h)
@@ -80,7 +81,7 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
             last = level = grown(math.log1p(rate * c[3]) - c[4], c[11])
         later = c[5] * last
         e -= c[8] * (later - f) * middle
-        if way > 0.0:
+        if moves:
             whole = over + e
             turn = du if whole >= 0.0 else -du
             e += whole * math.expm1(-level * (c[6] * way + c[7] * turn))
@@ -88,7 +89,7 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
         h, f = new, later
         bus[FREE, j] -= f * h + e + c[12] * (g - h)
         if c[13] != 0.0:
-            if way > 0.0:
+            if moves:
                 move_plays(plays, u, c[14], c[15] * level)
             bus[FREE, j] -= c[13] * move_plays(plays, u, c[14], c[15] * last)
         row = row + 1 if row + 1 < steps else 0
