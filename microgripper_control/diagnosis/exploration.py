@@ -124,20 +124,24 @@ def _settled(pool: Pool, jobs: int) -> Pool:
         refine(evidence, pool.refit, ROUGH, STEPS),
         failures=pool.failures,
     )
-    leaders = [t for t in pool.best(1, LEADERS) if not any(map(_is_read_off, t.effects))]
-    others = [trial for trial in pool.tried.values() if trial not in leaders]
+    leaders = {
+        name: trial
+        for trial in pool.best(1, LEADERS)
+        for name in frozenset(trial.effects) - pool.own
+        if not _is_read_off(name)
+    }
+    others = [trial for trial in pool.tried.values() if trial not in leaders.values()]
     for trial in side_by_side(_as_it_was, [(evidence, trial) for trial in others], jobs):
         settled.add(trial)
-    for trial in side_by_side(polish, [(evidence, trial) for trial in leaders], jobs):
+    for trial in side_by_side(polish, [(evidence, trial) for trial in leaders.values()], jobs):
         settled.add(trial)
     # What the first period has led astray begins afresh, unless nothing is left to explain.
     if _unexplained(settled.best(1, 1) or [settled.refit], settled):
         base = base_of(evidence, settled.refit)
         tasks = [
             (evidence, base, name)
-            for trial in leaders
+            for name, trial in leaders.items()
             if not is_dear(evidence, trial.model)
-            for name in trial.effects
         ]
         for trials in side_by_side(_afresh, tasks, jobs):
             for trial in trials:

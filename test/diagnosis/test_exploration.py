@@ -1,0 +1,40 @@
+"""Explanations are tried beside what the nominal model has, on settled evidence as well."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from microgripper_control.core.recording import Recording
+from microgripper_control.diagnosis import exploration
+from microgripper_control.diagnosis.diagnose import candidate_names, diagnose
+from microgripper_control.diagnosis.trial import Trial
+from microgripper_control.plant.model import nominal_model
+from microgripper_control.plant.simulate import simulate
+
+
+def test_on_settled_evidence_no_effect_is_tried_beside_itself(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What the nominal model has already is no candidate, and does not begin afresh."""
+    tried: list[tuple[str, tuple[str, ...]]] = []
+    original = exploration.attempt
+
+    def attempt(*given: Any) -> tuple[str, Trial | None, str]:  # noqa: ANN401
+        _, bases, name, *_ = given
+        tried.append((name, bases[0].trial.effects))
+        return original(*given)
+
+    monkeypatch.setattr(exploration, "attempt", attempt)
+    known = nominal_model().with_link("amplifier_lag", lag=2e-3)
+    rig = known.with_link("creep").with_link("backlash")
+    voltage = 80.0 - 75.0 * np.cos(2.0 * np.pi * np.arange(6000) / 1000.0)
+    noise = 15e-9 * np.random.default_rng(4).standard_normal(6000)
+    recording = Recording("run", 1e-3, voltage, simulate(rig, voltage, 1e-3) + noise)
+    others = [name for name in candidate_names() if name not in ("creep", "transport_delay")]
+    diagnose(known, [recording], jobs=1, without=others)
+    assert ("creep", ("amplifier_lag",)) in tried
+    assert len(tried) > 2  # afresh, too
+    assert all(name not in effects for name, effects in tried)
