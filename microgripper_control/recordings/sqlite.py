@@ -1,4 +1,4 @@
-"""SQLite3 storage, read in bulk and as far as it goes.
+"""SQLite3 storage, read as far as it goes.
 
 A file that was closed is read in place. One that was not (its recorder was killed, it was cut off)
 is read from a copy, which SQLite may mend; the recording itself is never touched.
@@ -12,22 +12,18 @@ import sqlite3
 import struct
 from collections.abc import Collection, Iterator
 from functools import cached_property
-from itertools import islice
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.recordings.metadata import counts_in
+from microgripper_control.recordings.sqlite_rows import rows_of
 from microgripper_control.recordings.storage import Block, Topic
 
 MAGIC = b"SQLite format 3\x00"
 WRITE_AHEAD = 18, b"\2\2"  # where the header says that a -wal file belongs to it
 SMALLEST_PAGE = 512  # bytes
 SIDE_FILES = ("-wal", "-journal")  # beside a file whose writer has not finished
-# In the order of the table: an index may lie in a part that is lost.
-ROWS = "FROM messages NOT INDEXED WHERE topic_id = ? AND rowid > ? ORDER BY rowid"
-ROWS_AT_ONCE = 4096
-FARTHEST_LEAP = 2**40  # messages
 
 
 class SqliteFile:
@@ -59,50 +55,7 @@ class SqliteFile:
         """The messages of some topics, one topic after the other, in the order of receipt."""
         for number, topic in self._numbers.items():
             if topic in topics:
-                yield from self._blocks_of(number, topic)
-
-    def _blocks_of(self, number: int, topic: Topic) -> Iterator[Block]:
-        after, leap = -1, 1  # a part that is damaged is leapt over
-        while leap < FARTHEST_LEAP:
-            count = 0
-            try:
-                cursor = self._database.execute(f"SELECT timestamp, data {ROWS}", [number, after])
-                while True:
-                    received: list[int] = []
-                    messages: list[bytes] = []
-                    try:
-                        # One row is let go of before the next: keeping them would cost twice.
-                        for at, message in islice(cursor, ROWS_AT_ONCE):
-                            received.append(at)
-                            messages.append(message)
-                    finally:  # what comes before an error is good
-                        if received:
-                            count += len(received)
-                            leap = 1
-                            yield from self._block(topic, received, messages)
-                    if not received:
-                        return
-            except (sqlite3.Error, OverflowError):
-                self._note_damage()
-                after = self._row(number, after, count) + leap
-                leap *= 2
-
-    def _row(self, number: int, after: int, count: int) -> int:
-        """Which row of a topic comes so many after another; all up to it could be read."""
-        if not count:
-            return after
-        query = f"SELECT rowid {ROWS} LIMIT 1 OFFSET ?"
-        return int(self._database.execute(query, [number, after, count - 1]).fetchone()[0])
-
-    def _block(self, topic: Topic, received: list[int], messages: list[bytes]) -> Iterator[Block]:
-        try:
-            yield Block.of(topic, received, messages)
-        except TypeError:  # a column of SQLite's may hold anything
-            self._note_damage()
-            rows = zip(received, messages, strict=True)
-            good = [row for row in rows if isinstance(row[0], int) and isinstance(row[1], bytes)]
-            if good:
-                yield Block.of(topic, *zip(*good, strict=True))
+                yield from rows_of(self._database, number, topic, self._note_damage)
 
     def _note_damage(self) -> None:
         self.damage = f"{self._path.name} is damaged: what could not be read is missing"

@@ -77,6 +77,13 @@ class Block:
         starts = np.append(np.int64(0), ends[:-1])
         return cls(topic, np.array(array("q", received)), data, starts, ends)
 
+    @classmethod
+    def alike(cls, topic: Topic, received: Integers, data: Bytes) -> Block:
+        """Messages that lie side by side and are all of one length."""
+        size = len(data) // len(received)
+        starts = np.arange(0, len(data), size) if size else np.zeros(len(received), np.int64)
+        return cls(topic, received, data, starts, starts + size)
+
     def __len__(self) -> int:
         return len(self.received)
 

@@ -52,7 +52,7 @@ def test_blocks_are_put_together(
 ) -> None:
     """Far more messages than are read at a time."""
     monkeypatch.setattr("microgripper_control.recordings.mcap_records.RECORDS_AT_ONCE", 7)
-    monkeypatch.setattr("microgripper_control.recordings.sqlite.ROWS_AT_ONCE", 7)
+    monkeypatch.setattr("microgripper_control.recordings.sqlite_rows.ROWS_AT_ONCE", 7)
     recording = Recording("run", 1e-3, np.arange(100.0), np.arange(100.0), np.arange(100.0))
     write_bag(tmp_path / "run", recording, storage)
     found = read_recording(tmp_path / "run")
