@@ -179,7 +179,8 @@ class Controller:
     def _target(self) -> float:
         """The reachable setpoint for the displacement that this answer moves."""
         ahead = self._lookahead.step(self._reachable(self._command))
-        return min(max(ahead, self._lowest), self._highest)
+        low, high = self._lowest, self._highest
+        return low if ahead < low else high if ahead > high else ahead
 
     def _reachable(self, setpoint: float) -> float:
         if self._lowest <= setpoint <= self._highest:

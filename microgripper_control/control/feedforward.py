@@ -19,6 +19,7 @@ enough to see it move has it the other way round: equation (6).
 from __future__ import annotations
 
 import enum
+import math
 from abc import ABC, abstractmethod
 
 from microgripper_control.control.identified import Identified
@@ -42,6 +43,7 @@ class Inverse(ABC):
         self._low, self._high = voltage_range
         self._voltage = 0.0
         self._hysteresis = 0.0
+        self._foreseen = math.nan, math.nan  # a voltage, V, and the h that it leads to, m
 
     @property
     def voltage(self) -> float:
@@ -60,14 +62,18 @@ class Inverse(ABC):
 
     def applied(self, voltage: float) -> None:
         """Move the model to a voltage, V, by one way; it must be finite."""
-        v = self._model
-        change = voltage - self._voltage
-        self._hysteresis = advance(self._hysteresis, change, v.a, v.beta, v.gamma, v.n)
-        self._voltage = voltage
+        foreseen, hysteresis = self._foreseen
+        if voltage != foreseen:
+            v = self._model
+            change = voltage - self._voltage
+            hysteresis = advance(self._hysteresis, change, v.a, v.beta, v.gamma, v.n)
+        self._voltage, self._hysteresis = voltage, hysteresis
+        self._foreseen = math.nan, math.nan
 
     def take_over(self, other: Inverse) -> None:
         """Go on from the state of another, when the identified values change."""
         self._voltage, self._hysteresis = other.voltage, other.hysteresis
+        self._foreseen = math.nan, math.nan
 
     @abstractmethod
     def step(self, setpoint: float) -> float:
@@ -113,7 +119,7 @@ class ExactInverse(Inverse):
     def step(self, setpoint: float) -> float:
         """As the contract says; an end of the range where no voltage in it will do."""
         v = self._model
-        return solve_step(
+        self._foreseen = solve_step(
             setpoint / v.compliance,
             self._voltage,
             self._hysteresis,
@@ -125,6 +131,7 @@ class ExactInverse(Inverse):
             v.gamma,
             v.n,
         )
+        return self._foreseen[0]
 
 
 class InverseKind(str, enum.Enum):
@@ -158,9 +165,10 @@ def solve_step(
     beta: float,
     gamma: float,
     n: float,
-) -> float:
+) -> tuple[float, float]:
     """The voltage in `low` .. `high`, V, that takes d u - h from (u, h) to `wanted`, m, one way.
 
+    With the h, m, that it leads to.
     Newton's method inside a bracket, with the slope of the hysteresis' own equation; it bisects
     where Newton leaves the bracket. One end of the range if the free displacement there still
     falls short.
@@ -169,10 +177,10 @@ def solve_step(
     end = high if sign > 0.0 else low
     travel = sign * (end - u)
     if travel <= 0.0:
-        return end
+        return end, advance(h, end - u, a, beta, gamma, n)
     short = sign * (d * end - advance(h, sign * travel, a, beta, gamma, n) - wanted)
     if not short > 0.0:
-        return end
+        return end, advance(h, end - u, a, beta, gamma, n)
     below, above = 0.0, travel
     xi = min(sign * (wanted - (d * u - h)) / d, travel)
     for _ in range(MOST_ITERATIONS):
@@ -190,4 +198,5 @@ def solve_step(
         xi = new
         if done:
             break
-    return min(max(u + sign * xi, low), high)
+    voltage = min(max(u + sign * xi, low), high)
+    return voltage, advance(h, voltage - u, a, beta, gamma, n)

@@ -41,7 +41,7 @@ class VoltageLimits(Declared):
 
     def clip(self, voltage: float) -> float:
         """The nearest voltage in range, V; `voltage` must not be NaN."""
-        return min(max(voltage, self.low), self.high)
+        return self.low if voltage < self.low else self.high if voltage > self.high else voltage
 
 
 class VoltageGuard:
@@ -92,7 +92,8 @@ class VoltageGuard:
     def step(self, command: float) -> float:
         """The voltage to publish for a command, V; NaN and infinities repeat the last one."""
         if math.isfinite(command):
-            self._stand_at(min(max(command, self.lowest), self.highest))
+            low, high = self.lowest, self.highest
+            self._stand_at(low if command < low else high if command > high else command)
         return self._voltage
 
     def ramp_to(self, goal: float) -> float:
@@ -107,5 +108,7 @@ class VoltageGuard:
 
     def _stand_at(self, voltage: float) -> None:
         self._voltage = voltage
-        self.lowest = max(self._limits.low, voltage - self._largest_change)
-        self.highest = min(self._limits.high, voltage + self._largest_change)
+        lowest, highest = voltage - self._largest_change, voltage + self._largest_change
+        low, high = self._limits.low, self._limits.high
+        self.lowest = lowest if lowest > low else low
+        self.highest = highest if highest < high else high

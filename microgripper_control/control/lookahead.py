@@ -39,9 +39,15 @@ class Lookahead:
         slope = 0.0 if math.isnan(self._last) else setpoint - self._last
         bend = slope - self._slope
         oldest = self._slope - self._bend
-        middle = sorted((slope, self._slope, oldest))[1]
+        middle = _median(slope, self._slope, oldest)
         steady = 0.0
         if bend * self._bend > 0.0:
             steady = bend if abs(bend) < abs(self._bend) else self._bend
         self._last, self._slope, self._bend = setpoint, slope, bend
         return setpoint + self._slope_weight * middle + self._bend_weight * steady
+
+
+def _median(a: float, b: float, c: float) -> float:
+    if a > b:
+        a, b = b, a
+    return a if c < a else b if c > b else c

@@ -81,7 +81,7 @@ class Pid:
         """
         g = self._gains
         signal = -measurement if g.derivative_on_measurement else error
-        derivative = self._differentiate(signal)
+        derivative = self._differentiate(signal) if g.kd else 0.0
         integral = self._bound(self.integral + g.ki * self._period * error)
         output = g.kp * error + integral + derivative
         if not math.isfinite(output):
@@ -117,11 +117,12 @@ class Pid:
 
     def _differentiate(self, signal: float) -> float:
         g = self._gains
-        if g.kd == 0.0 or math.isnan(self._signal):
+        if math.isnan(self._signal):
             return 0.0
         lag = g.derivative_filter
         change = g.kd * (signal - self._signal)
         return self._bound((lag * self._derivative + change) / (lag + self._period))
 
     def _bound(self, voltage: float) -> float:
-        return min(max(voltage, -self._authority), self._authority)
+        most = self._authority
+        return -most if voltage < -most else most if voltage > most else voltage

@@ -60,6 +60,11 @@ class Chain:
         """Rows of coefficients that a sample period takes, roughly what it costs."""
         return sum(len(coefficients) for _, coefficients, _ in self._continuous)
 
+    @property
+    def senses(self) -> bool:
+        """Whether the sensor reports anything but the true positions."""
+        return bool(self._sampled)
+
     def advance(self, bus: Array) -> None:
         """Run the links that act between samples; `bus` holds whole sample periods."""
         for kernel, coefficients, state in self._continuous:
@@ -88,7 +93,7 @@ class Chain:
 
     def sense(self, positions: Array) -> Array:
         """What the sensor reports for true positions at the sampling instants, shape (n,)."""
-        if not self._sampled:
+        if not self.senses:
             return positions
         bus = np.zeros((ROWS, len(positions)))
         bus[POSITION] = positions

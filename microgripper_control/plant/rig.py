@@ -32,8 +32,10 @@ class Rig:
         if not math.isfinite(voltage):
             self.refused += 1
             return
-        self._command = min(max(voltage, self._low), self._high)
-        if self._command != voltage:
+        if self._low <= voltage <= self._high:
+            self._command = voltage
+        else:
+            self._command = self._low if voltage < self._low else self._high
             self.clipped += 1
 
     def tick(self) -> None:

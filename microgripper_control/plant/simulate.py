@@ -116,6 +116,8 @@ class Plant:
 
     def read(self) -> float:
         """x[k], m, as the sensor reports it; each call is one reading."""
+        if not self._chain.senses:
+            return self._position
         self._reading.fill(self._position)
         self._chain.sense_in_place(self._sample)
         return float(self._reading[0])
