@@ -12,6 +12,7 @@ from microgripper_control.examination.plan import PAIRS
 from microgripper_control.examination.shares import Share
 
 BINS = 10
+DRAWS, BY_CHANCE = 1000, (0.025, 0.975)  # and the quantiles of what they show
 CLAIMED = 0.05  # `present` from which an effect counts as being talked about
 
 Claim = tuple[float, bool]  # a probability, and whether it came true
@@ -32,29 +33,35 @@ class Reliability:
     """Claims by their probability, and the expected calibration error.
 
     The error is the mean over the claims of |share that came true - mean probability| of their bin
-    (Naeini, Cooper and Hauskrecht 2015); NaN without claims.
+    (Naeini, Cooper and Hauskrecht 2015). It is never zero of few claims: `by_chance` are the bounds
+    within which 95 % of its values lie if each claim comes true with just its probability. NaN
+    without claims.
     """
 
     bins: tuple[Bin, ...]
     error: float
+    by_chance: tuple[float, float]
     of: int
 
 
 def reliability(claims: Sequence[Claim]) -> Reliability:
     """Sort claims into BINS bins of equal width; empty bins are left out."""
     if not claims:
-        return Reliability((), float("nan"), 0)
+        return Reliability((), float("nan"), (float("nan"), float("nan")), 0)
     probability = np.array([claim[0] for claim in claims])
     true = np.array([claim[1] for claim in claims])
     number = np.clip((probability * BINS).astype(int), 0, BINS - 1)
-    bins, error = [], 0.0
+    drawn = np.random.default_rng(0).random((DRAWS, len(claims))) < probability
+    bins, error, by_chance = [], 0.0, np.zeros(DRAWS)
     for index in np.unique(number).tolist():
         inside = number == index
         share = Share(int(true[inside].sum()), int(inside.sum()))
         mean = float(probability[inside].mean())
         bins.append(Bin(index / BINS, (index + 1) / BINS, mean, share))
         error += share.of / len(claims) * abs(share.value - mean)
-    return Reliability(tuple(bins), error, len(claims))
+        by_chance += share.of / len(claims) * np.abs(drawn[:, inside].mean(axis=1) - mean)
+    low, high = np.quantile(by_chance, BY_CHANCE).tolist()
+    return Reliability(tuple(bins), error, (low, high), len(claims))
 
 
 def answers(cases: Iterable[Marked]) -> list[Claim]:

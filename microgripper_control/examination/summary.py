@@ -125,7 +125,9 @@ def _reliability(found: Reliability) -> dict[str, Any]:
         {"low": one.low, "high": one.high, "mean": one.mean, "came_true": _share(one.share)}
         for one in found.bins
     ]
-    return {"error": _number(found.error), "of": found.of, "bins": bins}
+    low, high = found.by_chance
+    by_chance = {"low": _number(low), "high": _number(high)}
+    return {"error": _number(found.error), "by_chance": by_chance, "of": found.of, "bins": bins}
 
 
 def _places(found: Places) -> dict[str, Any]:

@@ -73,5 +73,10 @@ def _middle(name: str, text: str, middle: Middle, limit: float) -> Target:
 
 
 def _calibration(name: str, what: str, found: Reliability, cases: int) -> Target:
+    """Too few cases are those of which a calibrated diagnosis would miss it as well."""
+    limit, (least, most) = 0.07, found.by_chance
     text = f"Expected calibration error of {what}"
-    return Target(name, text, found.error, math.nan, math.nan, cases, 0.07, True)
+    if found.of:
+        text += f" (by chance {least:.2f} to {most:.2f})"
+    fewest = cases + 1 if least > limit else FEWEST
+    return Target(name, text, found.error, math.nan, math.nan, cases, limit, True, fewest)

@@ -156,7 +156,8 @@ def _probabilities(page: Page, score: Score, folder: Path) -> None:
     page.figure(
         png,
         "Left: the most probable answer of each case. Right: each effect in each case. The numbers "
-        "are how many there are; a calibrated diagnosis lies on the dashed line.",
+        "are how many there are; a calibrated diagnosis lies on the dashed line, but for chance: "
+        "of few cases it shows an error, too, as large as the first table says.",
     )
     page.note(
         f"Expected calibration error of “present” where it is at least 0.05: "

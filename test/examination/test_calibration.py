@@ -27,6 +27,16 @@ def test_perfect_claims_have_no_error_and_none_have_none() -> None:
     assert math.isnan(reliability([]).error)
 
 
+def test_few_claims_show_an_error_by_chance_and_sure_ones_none() -> None:
+    # One claim of 0.3 is 0.3 or 0.7 off; of 400 in one bin the share is normal about 0.3.
+    assert reliability([(0.3, False)]).by_chance == pytest.approx((0.3, 0.7))
+    low, high = reliability([(0.3, False)] * 400).by_chance
+    spread = math.sqrt(0.3 * 0.7 / 400)
+    assert low == pytest.approx(0.03 * spread, abs=0.15 * spread)
+    assert high == pytest.approx(2.24 * spread, rel=0.1)  # of |z|, 97.5 %
+    assert reliability([(1.0, True), (0.0, False)]).by_chance == (0.0, 0.0)
+
+
 def test_the_top_answer_is_held_against_the_truth() -> None:
     cases = [
         marked(("creep",), diagnosis(("creep",), 0.8)),
