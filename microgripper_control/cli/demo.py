@@ -8,10 +8,8 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.box import SIMPLE
 from rich.console import Console
 from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
-from rich.table import Table
 
 from microgripper_control.cli.demo_tables import (
     before_diagnosis,
@@ -23,6 +21,7 @@ from microgripper_control.cli.demo_tables import (
 )
 from microgripper_control.cli.diagnose import show, write_files
 from microgripper_control.cli.stopping import sigterm_as_interrupt
+from microgripper_control.cli.tables import print_table
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.files import make_folder
 from microgripper_control.demo.experiment import record_fault, run_experiment
@@ -36,7 +35,6 @@ from microgripper_control.plant.model_file import save_model
 from microgripper_control.recordings.read import read_recording
 from microgripper_control.report.demo_page import (
     Chapter,
-    Shown,
     draw_gap,
     draw_loop,
     draw_tracking,
@@ -130,18 +128,9 @@ def _diagnose(out: Path, seed: int, identified: Model, console: Console) -> Chap
 
 def _print(chapter: Chapter, console: Console) -> None:
     for shown in chapter.tables:
-        console.print(_table(shown))
+        print_table(console, shown.header, shown.rows, title=shown.title)
     for note in chapter.notes:
         console.print(note)
-
-
-def _table(shown: Shown) -> Table:
-    table = Table(box=SIMPLE, title=shown.title, title_justify="left", title_style="bold")
-    for index, column in enumerate(shown.header):
-        table.add_column(column, justify="right" if index else "left", no_wrap=True)
-    for row in shown.rows:
-        table.add_row(*row)
-    return table
 
 
 def _steps(bar: Progress, first: str, total: int) -> Callable[[str], None]:

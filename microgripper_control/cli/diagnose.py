@@ -9,10 +9,8 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.box import SIMPLE
 from rich.console import Console
 from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
-from rich.table import Table
 
 from microgripper_control.cli.options import (
     HoldOption,
@@ -23,11 +21,13 @@ from microgripper_control.cli.options import (
     read_all,
     read_model,
 )
+from microgripper_control.cli.tables import print_table
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.files import make_folder
+from microgripper_control.core.quantities import quantity
 from microgripper_control.diagnosis.diagnose import diagnose as find_causes
 from microgripper_control.diagnosis.exploration import Progress as OnProgress
-from microgripper_control.diagnosis.findings import Diagnosis
+from microgripper_control.diagnosis.findings import Candidate, Diagnosis
 from microgripper_control.diagnosis.result_file import as_json, write_result
 from microgripper_control.diagnosis.schedule import cluster
 from microgripper_control.effects.registry import link_named
@@ -103,31 +103,20 @@ def show(found: Diagnosis, console: Console) -> None:
     for warning in found.warnings:
         console.print(f"warning: {warning}", markup=False)
     console.print(found.sentence, markup=False)
-    table = Table(box=SIMPLE)
-    for column, side in (
-        ("answer", "left"),
-        ("stage", "left"),
-        ("probability", "right"),
-        ("present", "right"),
-        ("held-out error", "right"),
-    ):
-        table.add_column(column, justify="left" if side == "left" else "right", no_wrap=True)
-    for candidate in found.candidates[:SHOWN]:
-        error = "" if candidate.rmse is None else f"{1e9 * candidate.rmse:.1f} nm"
-        table.add_row(
-            candidate.effect,
-            candidate.stage or "",
-            f"{candidate.probability:.2f}",
-            f"{candidate.present:.2f}",
-            error,
-        )
-    console.print(table)
+    header = ("answer", "stage", "probability", "present", "held-out error")
+    print_table(console, header, map(_row, found.candidates[:SHOWN]), texts=(0, 1))
     for place in found.where:
         console.print(f"where: {where(place)}", markup=False)
     for group in found.ambiguous:
         console.print(f"these recordings cannot tell apart: {', '.join(group)}")
     if found.next_experiment:
         console.print(f"next: {found.next_experiment.why}", markup=False)
+
+
+def _row(candidate: Candidate) -> tuple[str, ...]:
+    error = "" if candidate.rmse is None else quantity(candidate.rmse, "m", 3)
+    shares = (f"{share:.2f}" for share in (candidate.probability, candidate.present))
+    return candidate.effect, candidate.stage or "", *shares, error
 
 
 def spread_heldout(arguments: Sequence[str]) -> list[str]:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.box import SIMPLE
 from rich.console import Console
-from rich.table import Table
 
 from microgripper_control.cli.options import (
     HoldOption,
@@ -20,6 +19,7 @@ from microgripper_control.cli.options import (
     read_all,
     read_model,
 )
+from microgripper_control.cli.tables import print_table
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.fit import Fit, fit
 from microgripper_control.identification.nuisance import Conditions
@@ -51,7 +51,8 @@ def identify(
         typer.echo(json.dumps(as_json(found) | {"fitted": str(out)}))
         return
     console = Console(highlight=False, soft_wrap=True)
-    console.print(parameter_table(found))
+    header = ("parameter", "value", "95 % interval", "unit")
+    print_table(console, header, parameter_rows(found), texts=range(len(header)))
     for reason, titles in undetermined(found).items():
         console.print(f"not determined: {', '.join(titles)}: {reason}")
     for name, rmse, relative, white in zip(
@@ -64,16 +65,11 @@ def identify(
     console.print(f"written: {out}")
 
 
-def parameter_table(found: Fit) -> Table:
+def parameter_rows(found: Fit) -> Iterator[tuple[str, ...]]:
     """The identified values as people read them."""
-    table = Table(box=SIMPLE)
-    for column in ("parameter", "value", "95 % interval", "unit"):
-        table.add_column(column, no_wrap=True)
-    table.add_row(*_row(GAIN_TITLE, found.gain, "m/V"))
+    yield _row(GAIN_TITLE, found.gain, "m/V")
     for key in found.determined:
-        setting = found.model.settings[key[0]][key[1]]
-        table.add_row(*_row(_title(key), setting, _unit(key)))
-    return table
+        yield _row(_title(key), found.model.settings[key[0]][key[1]], _unit(key))
 
 
 def undetermined(found: Fit) -> dict[str, list[str]]:

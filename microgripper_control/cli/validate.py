@@ -6,16 +6,15 @@ import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
-from rich.box import SIMPLE
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-from rich.table import Table
 
 from microgripper_control.cli.options import JsonOption
 from microgripper_control.cli.stopping import sigterm_as_interrupt
+from microgripper_control.cli.tables import print_table
 from microgripper_control.core.files import make_folder
 from microgripper_control.diagnosis.schedule import cluster
 from microgripper_control.examination.folder import Folder, write_json
@@ -83,13 +82,7 @@ def show(found: Score, console: Console) -> None:
         target_rows,
     )
 
-    table = Table(box=SIMPLE)
-    for index, column in enumerate(TARGET_HEADER):
-        side: Literal["left", "right"] = "left" if index in TARGET_TEXTS else "right"
-        table.add_column(column, justify=side, no_wrap=index > 0)
-    for row in target_rows(found):
-        table.add_row(*row)
-    console.print(table)
+    print_table(console, TARGET_HEADER, target_rows(found), texts=TARGET_TEXTS, folded=(0,))
     for one in found.confusions:
         reasons = "; ".join(one.reasons)
         console.print(
