@@ -26,9 +26,9 @@ from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.files import make_folder
 from microgripper_control.core.quantities import quantity
 from microgripper_control.diagnosis.diagnose import diagnose as find_causes
-from microgripper_control.diagnosis.exploration import Progress as OnProgress
 from microgripper_control.diagnosis.findings import Candidate, Diagnosis
 from microgripper_control.diagnosis.result_file import as_json, write_result
+from microgripper_control.diagnosis.rounds import Progress as OnProgress
 from microgripper_control.diagnosis.schedule import cluster
 from microgripper_control.effects.registry import link_named
 from microgripper_control.identification.nuisance import Conditions

@@ -8,7 +8,7 @@ from microgripper_control.core.recording import Recording
 from microgripper_control.diagnosis import answer
 from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.experiment import next_experiment
-from microgripper_control.diagnosis.exploration import Progress, explore, silent
+from microgripper_control.diagnosis.exploration import explore
 from microgripper_control.diagnosis.findings import EFFECTS, NONE, Diagnosis, Gap, Judged
 from microgripper_control.diagnosis.fitting import FINE
 from microgripper_control.diagnosis.freeform import explainable
@@ -19,6 +19,7 @@ from microgripper_control.diagnosis.pool import Pool
 from microgripper_control.diagnosis.readings import reading_warnings
 from microgripper_control.diagnosis.refit import nominal_trial, refits
 from microgripper_control.diagnosis.residuals import residuals_of
+from microgripper_control.diagnosis.rounds import Progress, silent
 from microgripper_control.diagnosis.sentence import sentence
 from microgripper_control.diagnosis.shrinkage import closed_fraction, closed_interval
 from microgripper_control.diagnosis.signatures import signatures

@@ -36,6 +36,7 @@ MOST_ROWS = 5e6  # of coefficients in a simulation with forces: what makes it lo
 MANY_ROWS = 10  # of coefficients a sample: by place, and at rest at its end, a force takes five
 TO_THE_END, ENOUGH = Effort(1e-5, 20, 0.99), Effort(1e-3, 8, 0.9)
 ROUNDS = 3
+POLISHED = 1e-5  # tolerance
 
 
 def on_a_part(

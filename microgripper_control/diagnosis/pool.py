@@ -9,8 +9,12 @@ import numpy as np
 from microgripper_control.diagnosis.credibility import incredible
 from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.grid import noise_under, refuted, rounding
+from microgripper_control.diagnosis.noise import removable
 from microgripper_control.diagnosis.trial import Trial
 from microgripper_control.effects.registry import registry
+
+UNEXPLAINED = 0.3  # of the noise floor: a structured rest above it asks for another effect,
+UNCLOSED = 0.1  # if it is more of the gap than a law leaves that is right but not the rig's own
 
 
 @dataclass
@@ -45,7 +49,7 @@ class Pool:
     @property
     def step(self) -> float:
         """m: of the grid that the readings lie on, if that was tried; 0 if not."""
-        grids = [(t, n) for added, t in self.tried.items() for n in added if registry()[n].read_off]
+        grids = [(t, n) for added, t in self.tried.items() for n in added if is_read_off(n)]
         return max((t.model.value(n, "resolution") for t, n in grids), default=0.0)
 
     def add(self, trial: Trial) -> None:
@@ -64,7 +68,7 @@ class Pool:
 
     def drop_refuted_grid(self) -> None:
         """Forget a grid that some explanation follows the readings too closely for."""
-        chosen = [added for added in self.tried if any(registry()[name].read_off for name in added)]
+        chosen = [added for added in self.tried if any(is_read_off(name) for name in added)]
         others = [t.fitted_rmse for added, t in self.tried.items() if added not in chosen]
         readings = [recording.measured for recording in self.evidence.fitted]
         if refuted(self.step, min(others, default=np.inf), readings):
@@ -79,3 +83,24 @@ class Pool:
         """The explanations with `size` effects that leave the least, best first."""
         trials = [trial for effects, trial in self.tried.items() if len(effects) == size]
         return sorted(trials, key=lambda trial: trial.both)[:count]
+
+    def closed(self, trial: Trial) -> float:
+        """The share of the gap, as an error, that an explanation closes."""
+        gap = removable(self.refit.both, self.noise_floor)
+        return 1.0 - removable(trial.both, self.noise_floor) / gap if gap > 0.0 else 0.0
+
+    def leaves_more(self, trial: Trial) -> bool:
+        """Whether an explanation leaves more than a right law would."""
+        floor = self.noise_floor
+        rest = removable(trial.both, floor)
+        return rest > max(UNEXPLAINED * floor, UNCLOSED * removable(self.refit.both, floor))
+
+    @property
+    def unexplained(self) -> bool:
+        """Whether even the best explanation by one effect, or a refit, leaves more than that."""
+        return self.leaves_more((self.best(1, 1) or [self.refit])[0])
+
+
+def is_read_off(effect: str) -> bool:
+    """Whether an effect is read off the recordings and not fitted."""
+    return registry()[effect].read_off

@@ -4,7 +4,7 @@ What a hysteretic material remembers from before the recording is unknown, and s
 does in the moment it is switched on. Where the voltage repeats itself both are gone after one
 period: the habit of frequency response measurements (Pintelon and Schoukens 2012, chapter 2). But
 the first period may be all that tells a lag, which a switch-on shows and a single sine does not,
-from hysteresis; so it has its say before it is left out (see `exploration`).
+from hysteresis; so it has its say before it is left out (see `resettling`).
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from microgripper_control.core.recording import Recording
-from microgripper_control.diagnosis import exploration
+from microgripper_control.diagnosis import resettling, rounds
 from microgripper_control.diagnosis.diagnose import candidate_names, diagnose
 from microgripper_control.diagnosis.trial import Trial
 from microgripper_control.plant.model import nominal_model
@@ -20,14 +20,15 @@ def test_on_settled_evidence_no_effect_is_tried_beside_itself(
 ) -> None:
     """What the nominal model has already is no candidate, and does not begin afresh."""
     tried: list[tuple[str, tuple[str, ...]]] = []
-    original = exploration.attempt
+    original = rounds.attempt
 
     def attempt(*given: Any) -> tuple[str, Trial | None, str]:  # noqa: ANN401
         _, bases, name, *_ = given
         tried.append((name, bases[0].trial.effects))
         return original(*given)
 
-    monkeypatch.setattr(exploration, "attempt", attempt)
+    for module in (rounds, resettling):
+        monkeypatch.setattr(module, "attempt", attempt)
     known = nominal_model().with_link("amplifier_lag", lag=2e-3)
     rig = known.with_link("creep").with_link("backlash")
     voltage = 80.0 - 75.0 * np.cos(2.0 * np.pi * np.arange(6000) / 1000.0)
