@@ -82,13 +82,15 @@ def widths_by_rate(residuals: Sequence[Residual]) -> Widths | None:
     error, piece = np.concatenate(errors), np.concatenate(pieces)
     if len(rate) < 500:
         return None
-    edges = np.quantile(rate, np.linspace(0.0, 1.0, RATES + 1))
-    bin_of = np.clip(np.searchsorted(edges, rate, side="right") - 1, 0, RATES - 1)
-    middles = np.array([float(np.median(rate[bin_of == b])) for b in range(RATES)])
+    # A staircase or triangle has few rates, each many times: bins between them would be empty.
+    edges = np.unique(np.quantile(rate, np.linspace(0.0, 1.0, RATES + 1), method="inverted_cdf"))
+    bins = range(max(1, len(edges) - 1))
+    bin_of = np.clip(np.searchsorted(edges, rate, side="right") - 1, 0, bins[-1])
+    middles = np.array([float(np.median(rate[bin_of == b])) for b in bins])
     decades = float(np.log10(middles[-1] / middles[0]))
     if decades < 0.5:
         return None
-    widths = np.array([-2.0 * float(np.mean((shape * error)[bin_of == b])) for b in range(RATES)])
+    widths = np.array([-2.0 * float(np.mean((shape * error)[bin_of == b])) for b in bins])
     log = np.log10(rate)
     # Each twentieth of a recording is left out in turn: neighbours are not independent.
     slopes = np.array(

@@ -10,6 +10,7 @@ from scipy.signal import lfilter
 from microgripper_control.core.recording import Recording
 from microgripper_control.diagnosis.findings import Signature
 from microgripper_control.diagnosis.residuals import Residual
+from microgripper_control.diagnosis.reversals import widths_by_rate
 from microgripper_control.diagnosis.signatures import signatures
 from microgripper_control.effects.registry import registry
 
@@ -139,3 +140,17 @@ def test_a_loop_that_widens_with_the_rate() -> None:
     wider = -60e-9 * np.sin(phase) * np.log10(pace / 0.2)
     assert said(planted(voltage, wider))["rate_dependent_hysteresis"].agrees in (True, None)
     assert said(planted(voltage, -wider))["rate_dependent_hysteresis"].agrees is not True
+
+
+@pytest.mark.filterwarnings("error")
+def test_triangles_of_two_rates_and_nothing_between() -> None:
+    time = PERIOD * np.arange(20000)
+    turns = np.concatenate([0.1 * time, 2.0 + time])
+    voltage = 75.0 - 70.0 * (1.0 - 4.0 * np.abs((turns % 1.0) - 0.5))
+    rising = np.where((turns % 1.0) > 0.5, 1.0, -1.0)
+    wider = -30e-9 * rising * (np.arange(len(turns)) >= 20000)
+    found = widths_by_rate([planted(voltage, wider)])
+    assert found is not None
+    assert np.all(np.isfinite(found.rates))
+    assert np.all(np.isfinite(found.widths))
+    assert 0.5 < found.growth / 60e-9 < 1.1  # a decade apart, less what corners smear
