@@ -37,13 +37,16 @@ class Pool:
         """m: the innovation of whichever explanation leaves the least, rounding taken away.
 
         What a law leaves at each step or turn of the voltage is new to the samples before, but it
-        is no noise: the median passes it over. On a grid it could find nothing new at all.
+        is no noise: the median passes it over. On a grid coarser than the noise most readings bring
+        nothing new, and the median would pass over the noise as well.
         """
         trials = [self.nominal, self.refit, *self.tried.values()]
         best = sorted(trials, key=lambda trial: trial.rmse)[:3]
         usual = max(
             min(trial.quietest for trial in best), rounding(self.evidence.scales.resolution)
         )
+        if usual < self.step:
+            usual = np.inf
         return noise_under(min(usual, *(trial.noise_floor for trial in best)), self.step)
 
     @property

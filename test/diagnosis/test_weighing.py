@@ -150,6 +150,22 @@ def test_rounding_is_no_noise_once_its_grid_is_known() -> None:
     assert pool.noise_floor == pytest.approx(np.sqrt(15.0**2 - (0.15 * 52.0) ** 2) * NM, rel=0.05)
 
 
+def test_noise_below_a_coarse_grid_is_still_noise() -> None:
+    """15 nm on steps of 48 nm: held in the middle of a step, most readings bring nothing new."""
+    step, errors = 48.0 * NM, []
+    for seed in range(8):
+        rng = np.random.default_rng(seed)
+        held = np.repeat(rng.uniform(0.0, 1e-5, 12), 2000)
+        noisy = held + 15.0 * NM * rng.standard_normal(len(held))
+        errors.append(step * np.rint(noisy / step) - held)
+    grid = nominal_model().with_link("sensor_quantization", resolution=step)
+    left = Trial(grid, (), (), 15.0 * NM, tuple(errors))
+    assert left.quietest < 0.5 * left.noise_floor
+    pool = Pool(EVIDENCE, left, left)  # type: ignore[arg-type]
+    pool.tried[frozenset(["sensor_quantization"])] = left
+    assert pool.noise_floor == pytest.approx(np.sqrt(15.0**2 - (0.15 * 48.0) ** 2) * NM, rel=0.1)
+
+
 def test_what_a_law_leaves_at_steps_is_no_noise() -> None:
     """15 nm of noise, and jumps of 1 um in every hundredth sample; a grid of 70 nm would be 20."""
     rng = np.random.default_rng(3)
