@@ -16,7 +16,7 @@ from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.fitting import Base, begun, extend, fit_on, half_way
 from microgripper_control.diagnosis.grid import refuted
 from microgripper_control.diagnosis.part import GLANCE, is_dear, on_a_part, refined
-from microgripper_control.diagnosis.screening import Guess, guesses
+from microgripper_control.diagnosis.screening import Guess, guesses, kind
 from microgripper_control.diagnosis.trial import Trial, judged, moved, unfitted
 from microgripper_control.effects.registry import registry
 
@@ -27,25 +27,35 @@ FALLEN_SHORT = 1.2  # times what a guess had promised: a fit that leaves more ha
 DEAR_STEPS = 8  # where each sample is dear: first with the base's derivatives kept, then all fresh
 CARRIED = 2  # fits of a part of the samples that are tried on all of them
 SETTLING_IN = 5  # steps with the same derivatives, from a part of the samples to all of them
+MISLED = (
+    1.5  # times what is left of a part: where all samples leave more, that part tells too little
+)
 ROUGH = 1e-3  # tolerance
 
 
 def attempt(
-    evidence: Evidence, bases: Sequence[Base], name: str, most: int, hopeless: float
+    evidence: Evidence,
+    bases: Sequence[Base],
+    name: str,
+    most: int,
+    hopeless: float,
+    known: float = 0.0,
 ) -> tuple[str, Trial | None, str]:
     """Add one effect to the bases: its name, the best fit, and why there is none.
 
-    A dear one is fitted on `most` samples, and no further if it leaves `hopeless`, m, of them.
+    A dear one is fitted on `most` samples, and no further if it leaves `hopeless`, m, of them. If
+    it leaves less of them than `known`, m, what the best of the others leaves, and then more of
+    all, it is worth a longer fit.
     """
     try:
         with np.errstate(all="ignore"):  # a hopeless guess may overflow: it is then no start
-            return name, *_attempt(evidence, bases, name, most, hopeless)
+            return name, *_attempt(evidence, bases, name, most, hopeless, known)
     except (ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
         return name, None, f"could not be fitted: {error}"
 
 
 def _attempt(
-    evidence: Evidence, bases: Sequence[Base], name: str, most: int, hopeless: float
+    evidence: Evidence, bases: Sequence[Base], name: str, most: int, hopeless: float, known: float
 ) -> tuple[Trial | None, str]:
     link = registry()[name]
     if not link.starts(evidence.scales):
@@ -62,20 +72,44 @@ def _attempt(
     found = [fit for fit in fits if fit is not None and np.isfinite(fit.fitted_rmse)]
     if not found:
         return None, "no start could be fitted"
-    found.sort(key=lambda trial: trial.fitted_rmse)
-    if is_dear(part, found[0].model) and not anchors[0].trial.effects:
-        found.insert(0, fit_on(part, found[0], ROUGH, DEAR_STEPS))
+    alone = not anchors[0].trial.effects
+    if alone and any(is_dear(part, fit.model) for fit in found):
+        found += [fit_on(part, fit, ROUGH, DEAR_STEPS) for fit in best_of_each_kind(found, name)]
     if part is evidence:
         return min((judged(evidence, fit) for fit in found), key=lambda trial: trial.both), ""
+    whole = _carried(evidence, found, name, hopeless, known if alone else 0.0)
+    if whole is None:
+        return None, "diverges where it was not fitted"
+    return judged(evidence, whole), ""
+
+
+def _carried(
+    evidence: Evidence, found: Sequence[Trial], name: str, hopeless: float, known: float
+) -> Trial | None:
+    """The best fit on all samples of those that were found on a part; None if all diverge there."""
+    found = sorted(found, key=lambda trial: trial.fitted_rmse)
+    least = found[0].fitted_rmse
     # What fits a part best may have bent to it: elsewhere it fits worse, or diverges.
     carried = [unfitted(evidence, moved(evidence, fit)) for fit in found[:CARRIED]]
-    carried = [trial for trial in carried if np.isfinite(trial.fitted_rmse)]
-    if not carried:
-        return None, "diverges where it was not fitted"
-    whole = min(carried, key=lambda trial: trial.fitted_rmse)
-    if found[0].fitted_rmse < hopeless:
-        whole = fit_on(evidence, whole, ROUGH, SETTLING_IN, fresh=())
-    return judged(evidence, whole), ""
+    whole = _least(carried)
+    if whole is None or least >= hopeless:
+        return whole
+    whole = fit_on(evidence, whole, ROUGH, SETTLING_IN, fresh=())
+    if least >= known or whole.fitted_rmse <= MISLED * least:
+        return whole
+    others = [moved(evidence, fit) for fit in best_of_each_kind(found, name)]
+    return _least([whole, *(fit_on(evidence, fit, ROUGH, DEAR_STEPS) for fit in others)])
+
+
+def _least(trials: Sequence[Trial]) -> Trial | None:
+    sound = [trial for trial in trials if np.isfinite(trial.fitted_rmse)]
+    return min(sound, key=lambda trial: trial.fitted_rmse, default=None)
+
+
+def best_of_each_kind(found: Sequence[Trial], name: str) -> list[Trial]:
+    """A law may have parts of which a fit takes one: the one that ends lower may begin higher."""
+    best = sorted(found, key=lambda trial: trial.fitted_rmse, reverse=True)
+    return list({kind(fit.model, name): fit for fit in best}.values())
 
 
 def _fit_from(evidence: Evidence, guess: Guess, name: str) -> Trial | None:

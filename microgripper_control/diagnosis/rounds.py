@@ -47,10 +47,11 @@ def play(
     # What leaves nothing to explain cannot lose to another effect: a look at each is enough.
     wanting = before is pool.refit and pool.unexplained
     shown, near = (PART, NEAR) if wanting else (GLANCE, NEAR_IF_JOINED)
-    known = [trial.fitted_rmse for trial in pool.tried.values()]
-    hopeless = np.inf if wanting or not known else near * min(known)
+    known = min((trial.fitted_rmse for trial in pool.tried.values()), default=np.inf)
+    hopeless = np.inf if wanting else near * known
     tasks = [
-        (evidence, bases, name, shown, hopeless) for name in _long_first(names, evidence.scales)
+        (evidence, bases, name, shown, hopeless, known)
+        for name in _long_first(names, evidence.scales)
     ]
     found = []
     progress("", 0, len(tasks))

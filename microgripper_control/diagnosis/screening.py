@@ -56,15 +56,15 @@ def guesses(evidence: Evidence, bases: Sequence[Base], effect: str, wanted: int)
     found.sort(key=lambda guess: (guess.idle, guess.left))
     if not found:
         return []
-    kinds = [_kind(guess.model, effect) for guess in found]
-    alike = [guess for guess, kind in zip(found, kinds, strict=True) if kind == kinds[0]]
-    other = [guess for guess, kind in zip(found, kinds, strict=True) if kind != kinds[0]]
+    kinds = [kind(guess.model, effect) for guess in found]
+    alike = [guess for guess, own in zip(found, kinds, strict=True) if own == kinds[0]]
+    other = [guess for guess, own in zip(found, kinds, strict=True) if own != kinds[0]]
     firsts = {id(guess.base): guess for guess in reversed(found)}
     chosen = [*alike[:wanted], *other[:1], *firsts.values()]
     return [guess for guess in found if any(guess is one for one in chosen)]
 
 
-def _kind(model: Model, effect: str) -> tuple[object, ...]:
+def kind(model: Model, effect: str) -> tuple[object, ...]:
     """What a fit leaves as it was: a law may have parts of which a start takes one or the other."""
     link, values = registry()[effect], model.values(effect)
     kept = (values[parameter.name] for parameter in link.parameters if not parameter.fitted)

@@ -62,7 +62,10 @@ RATE_UNIT = "1/(m*N^(n-1))"
 
 
 def starts(scales: Scales) -> Sequence[Values]:
-    """A fiftieth of the stiffness, forgotten over more or less of the stroke; or all that slips."""
+    """A fiftieth of the stiffness, forgotten over more or less of the stroke; or all that slips.
+
+    What slips may be about as stiff as the rig: a fit does not get there from a seventh of it.
+    """
     saturating = [
         {"alpha": 0.02 * scales.stiffness, "beta": beta, "gamma": share * beta}
         for beta in (1.0 / scales.stroke, 4.0 / scales.stroke, 16.0 / scales.stroke)
@@ -74,7 +77,7 @@ def starts(scales: Scales) -> Sequence[Values]:
             "distributed": 1.0,
             "widest": share * scales.stroke,
         }
-        for strength in (0.02, 0.15)
+        for strength in (0.02, 0.15, 0.6)
         for share in (0.3, 0.7)
     ]
     return [*saturating, *slipping]
