@@ -20,10 +20,10 @@ FARTHEST_LEAP = 2**40  # messages
 # In the order of the table: an index may lie in a part that is lost.
 ROWS = "FROM messages NOT INDEXED WHERE topic_id = ? AND rowid > ?"
 FIRST_SIZE = f"SELECT length(data) {ROWS} ORDER BY rowid LIMIT 1"
-# What is no BLOB is smaller than any, and `IS` tells numbers from what only reads as one.
+# What is no BLOB is smaller than any; what is no whole number is not equal to itself as one.
 SIDE_BY_SIDE = f"""
     SELECT CAST(group_concat(data, '') AS BLOB), group_concat(timestamp | 0), count(*),
-        count(*) FILTER (WHERE length(data) = ? AND data >= x'' AND (timestamp | 0) IS timestamp)
+        count(*) FILTER (WHERE length(data) = ? AND data >= x'' AND timestamp = timestamp | 0)
     {ROWS} AND rowid <= ?
 """
 

@@ -7,7 +7,7 @@ from contextlib import closing
 from unittest.mock import patch
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from microgripper_control.recordings import sqlite_rows
@@ -44,6 +44,8 @@ def read(database: sqlite3.Connection, damage: list[str]) -> list[tuple[int, byt
 
 
 @pytest.mark.parametrize("encoding", ["UTF-8", "UTF-16"])
+@example(alike=[], others=[(1, None, b"")])
+@example(alike=[], others=[(1, 0, None)])
 @given(alike=st.lists(ALIKE, max_size=12), others=st.lists(ANY, max_size=6))
 def test_a_table_of_anything(
     encoding: str, alike: list[tuple[object, ...]], others: list[tuple[object, ...]]
