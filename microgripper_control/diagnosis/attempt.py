@@ -27,9 +27,7 @@ FALLEN_SHORT = 1.2  # times what a guess had promised: a fit that leaves more ha
 DEAR_STEPS = 8  # where each sample is dear: first with the base's derivatives kept, then all fresh
 CARRIED = 2  # fits of a part of the samples that are tried on all of them
 SETTLING_IN = 5  # steps with the same derivatives, from a part of the samples to all of them
-MISLED = (
-    1.5  # times what is left of a part: where all samples leave more, that part tells too little
-)
+MISLED = 1.5  # times what is left of a part: where all samples leave more, it has misled the fit
 ROUGH = 1e-3  # tolerance
 
 

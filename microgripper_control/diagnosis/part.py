@@ -34,9 +34,9 @@ GLANCE = 6000  # samples on which it is seen what a force promises
 MANY = 40_000  # samples
 MOST_ROWS = 5e6  # of coefficients in a simulation with forces: what makes it longer does not join
 MANY_ROWS = 10  # of coefficients a sample: by place, and at rest at its end, a force takes five
-TO_THE_END, ENOUGH = Effort(1e-5, 20, 0.99), Effort(1e-3, 8, 0.9)
-ROUNDS = 3
 POLISHED = 1e-5  # tolerance
+TO_THE_END, ENOUGH = Effort(POLISHED, 20, 0.99), Effort(1e-3, 8, 0.9)
+ROUNDS = 3
 
 
 def on_a_part(

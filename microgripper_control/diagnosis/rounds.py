@@ -64,8 +64,7 @@ def play(
     for trial in found:
         pool.add(trial)
     # Far from the base its derivatives mislead: the best go on with fresh ones.
-    best = _going_on(evidence, before, found, near, pool)
-    if best and pool.leaves_more(before):
+    if pool.leaves_more(before) and (best := _going_on(evidence, before, found, near, pool)):
         progress("the best of them", 0, 1)
         for trial in side_by_side(polish, [(evidence, trial) for trial in best], jobs):
             pool.add(trial)

@@ -35,7 +35,7 @@ import numpy as np
 from microgripper_control.diagnosis.findings import NONE, PARAMETERS, UNKNOWN, Signature
 from microgripper_control.diagnosis.grid import unrounded
 from microgripper_control.diagnosis.noise import independent_samples, removable
-from microgripper_control.diagnosis.pool import Pool
+from microgripper_control.diagnosis.pool import Pool, is_read_off
 from microgripper_control.diagnosis.trial import Trial, evenly
 from microgripper_control.effects.registry import registry
 
@@ -145,7 +145,7 @@ def explained(effects: Explanation, trial: Trial, pool: Pool) -> Left:
     the rounded prediction is often worse. So it counts as taking away from what its other effects
     leave the variance of rounding, q^2 / 12, and that of a grid that is bowed as far as they are.
     """
-    rounding = frozenset(name for name in effects if registry()[name].read_off)
+    rounding = frozenset(name for name in effects if is_read_off(name))
     if not rounding:
         return _left(trial)
     rest = _left(pool.tried.get(effects - rounding, pool.refit))

@@ -81,7 +81,7 @@ class Block:
     def alike(cls, topic: Topic, received: Integers, data: Bytes) -> Block:
         """Messages that lie side by side and are all of one length."""
         size = len(data) // len(received)
-        starts = np.arange(0, len(data), size) if size else np.zeros(len(received), np.int64)
+        starts = size * np.arange(len(received))
         return cls(topic, received, data, starts, starts + size)
 
     def __len__(self) -> int:
