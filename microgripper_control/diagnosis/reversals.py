@@ -68,7 +68,7 @@ def widths_by_rate(residuals: Sequence[Residual]) -> Widths | None:
     for number, residual in enumerate(residuals):
         direction, travel, _ = _since_turn(residual)
         voltage = residual.recording.voltage
-        reach = max(1, len(voltage) // 400)
+        reach = _reach(direction)
         pace = np.abs(voltage[2 * reach :] - voltage[: -2 * reach]) / (
             2.0 * reach * residual.period
         )
@@ -103,6 +103,16 @@ def widths_by_rate(residuals: Sequence[Residual]) -> Widths | None:
     scatter = float(np.sqrt((count - 1) / count * np.sum((slopes - np.mean(slopes)) ** 2)))
     growth = float(np.mean(slopes))
     return Widths(middles, widths, growth, abs(growth) / max(scatter, 1e-300), decades)
+
+
+def _reach(direction: Array) -> int:
+    """How many samples either side of one tell its rate: few beside a quick way between turns.
+
+    Steps within a way become a pace by that, and no loop is averaged away.
+    """
+    ways = np.diff(np.flatnonzero(np.diff(direction)))
+    quick = int(np.quantile(ways, 0.25)) if len(ways) else len(direction)
+    return max(1, min(len(direction) // 400, quick // 8))
 
 
 def _since_turn(residual: Residual) -> tuple[Array, Array, int]:

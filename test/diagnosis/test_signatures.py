@@ -142,6 +142,19 @@ def test_a_loop_that_widens_with_the_rate() -> None:
     assert said(planted(voltage, -wider))["rate_dependent_hysteresis"].agrees is not True
 
 
+@pytest.mark.parametrize("fastest", [2.0, 10.0, 40.0])
+def test_fast_loops_of_a_long_recording_have_their_rate(fastest: float) -> None:
+    time = PERIOD * np.arange(60000)
+    pace = np.geomspace(0.5, fastest, len(time))
+    phase = 2.0 * np.pi * np.cumsum(pace) * PERIOD
+    voltage = 75.0 - 70.0 * np.cos(phase)
+    wider = -30e-9 * np.sign(np.sin(phase)) * np.log10(pace / 0.5)
+    found = widths_by_rate([planted(voltage, wider, predicted=GAIN * voltage)])
+    assert found is not None
+    assert found.rates[-1] > 0.4 * 70.0 * 2.0 * np.pi * fastest
+    assert found.widths[-1] > 30e-9 * np.log10(fastest / 0.5)
+
+
 @pytest.mark.filterwarnings("error")
 def test_triangles_of_two_rates_and_nothing_between() -> None:
     time = PERIOD * np.arange(20000)
