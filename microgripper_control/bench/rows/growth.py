@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tracemalloc
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial
 
 import numpy as np
@@ -20,14 +20,14 @@ from microgripper_control.plant.simulate import simulate
 from microgripper_control.recordings.read import read_recording
 
 SAMPLES = (10_000, 100_000, 1_000_000, 10_000_000)
-EFFECTS = (1, 2, 4, 8, 17)
+BESIDE = (2, 4, 8, 16)  # effects tried beside the planted one; each divides the sixteen others
 RECORDINGS = (1, 3, 10, 30, 100)
 SHORT = 1000  # samples of each of many recordings
 TRIED = 6000  # samples of the recording that effects are tried on
 PLANTED = "creep"
 MEMORY = at_most(256.0)  # bytes a sample: no Python object is as small
 
-Calls = Mapping[int, Callable[[], object]]
+Calls = Mapping[int, Contestant]  # by size
 
 
 def measure(effort: Effort) -> Measured:
@@ -35,11 +35,13 @@ def measure(effort: Effort) -> Measured:
     sizes = SAMPLES[: effort.among(len(SAMPLES), 3)]
     nominal = nominal_model()
     driven = {size: rig.voltage(size) for size in sizes}
-    simulated = {n: partial(simulate, nominal, u, rig.SAMPLE_PERIOD) for n, u in driven.items()}
+    simulated = {
+        n: Contestant(partial(simulate, nominal, u, rig.SAMPLE_PERIOD)) for n, u in driven.items()
+    }
     bags = {size: effort.folder / f"{size}.mcap" for size in sizes}
     for size, bag in bags.items():
         write_long_bag(bag, size)
-    read = {size: partial(read_recording, bag) for size, bag in bags.items()}
+    read = {size: Contestant(partial(read_recording, bag)) for size, bag in bags.items()}
     found = [
         _growth(effort, "simulating the nominal chain", "samples", simulated),
         _growth(effort, "reading an MCAP", "samples", read),
@@ -53,8 +55,9 @@ def measure(effort: Effort) -> Measured:
     notes = (
         "Exponents are those between the two largest sizes, where overheads no longer hide the "
         "growth. Each diagnosis and each fit starts from a model 10 % off. The recordings have "
-        f"{SHORT} samples, each with an initial state of its own; effects are tried on one of "
-        f"{TRIED} samples.",
+        f"{SHORT} samples, each with an initial state of its own. Effects are tried on one of "
+        f"{TRIED} samples; one costs a hundred times what another does, so that a diagnosis by "
+        "fewer than all is the mean over sets that between them have each effect once.",
     )
     lines = [line for line, _ in found] + memory
     return Measured(tuple(lines), notes, tuple(curve for _, curve in found))
@@ -63,7 +66,7 @@ def measure(effort: Effort) -> Measured:
 def _growth(effort: Effort, name: str, of: str, calls: Calls) -> tuple[Line, Curve]:
     """The time of a call by its size."""
     effort.progress(f"growth: {name}")
-    contestants = {str(size): Contestant(call) for size, call in calls.items()}
+    contestants = {str(size): contestant for size, contestant in calls.items()}
     times = take_turns(contestants, effort.among(3, 1))
     costs = np.array([times.rounds[name] for name in contestants])
     sizes = tuple(float(size) for size in calls)
@@ -79,27 +82,36 @@ def _diagnoses() -> Calls:
     planted = nominal_model().with_link(PLANTED)
     recording = rig.recording(planted, TRIED)
     believed = rig.mistuned(nominal_model())
-    names = [PLANTED, *(name for name in candidate_names() if name != PLANTED)]
-    return {
-        count: partial(diagnose, believed, [recording], jobs=1, without=names[count:])
-        for count in EFFECTS
-    }
+    others = [name for name in candidate_names() if name != PLANTED]
+
+    def tried(sets: Sequence[Sequence[str]]) -> None:
+        for beside in sets:
+            left_out = [name for name in others if name not in beside]
+            diagnose(believed, [recording], jobs=1, without=left_out)
+
+    by_size = {}
+    for count in BESIDE:
+        parts = len(others) // count
+        sets = [others[part::parts] for part in range(parts)]
+        by_size[1 + count] = Contestant(partial(tried, sets), work=parts)
+    return by_size
 
 
 def _fits() -> Calls:
     """A fit by how many recordings it is given."""
     model = nominal_model()
+    believed = rig.mistuned(model)
     recordings = [
         rig.recording(model, SHORT, seed, pace=1.0 + 0.03 * seed) for seed in range(RECORDINGS[-1])
     ]
-    return {count: partial(fit, rig.mistuned(model), recordings[:count]) for count in RECORDINGS}
+    return {count: Contestant(partial(fit, believed, recordings[:count])) for count in RECORDINGS}
 
 
 def _memory(what: str, calls: Calls) -> Line:
     """The most that was allocated at a time, of the largest size, in bytes per sample."""
     size = max(calls)
     tracemalloc.start()
-    calls[size]()
+    calls[size].call()
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     return Line(f"{what}, {size:g} samples", "", Spread.single(peak / size), "B a sample", MEMORY)

@@ -15,6 +15,7 @@ from microgripper_control.bench.timing import Contestant, Spread, take_turns
 from microgripper_control.control.controller import Controller
 from microgripper_control.control.identified import Identified
 from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.signals import Array
 from microgripper_control.demo.processes import Nodes
 from microgripper_control.plant.model import nominal_model
 from microgripper_control.plant.rig import Rig
@@ -27,23 +28,33 @@ LOCKSTEP: dict[str, Any] = {"lockstep": True, "lockstep_timeout": STARTING}
 
 def measure(effort: Effort) -> Measured:
     """As `Row` says."""
-    inside = in_process(effort)
     check_ros()
     duration = effort.among(10.0, 3.0)
-    rounds = range(effort.among(3, 1))
-    two = [over_dds(effort, duration, beside=False) for _ in rounds]
-    four = [over_dds(effort, duration, beside=True) for _ in rounds]
+    inside, two, four = [], [], []
+    # In turns: plant and controller in one process take a quarter of a second, and a machine has
+    # slower moods than that.
+    for _ in range(effort.among(3, 1)):
+        two.append(over_dds(effort, duration, beside=False))
+        inside.append(in_process(effort))
+        four.append(over_dds(effort, duration, beside=True))
+        inside.append(in_process(effort))
     what, real = "lockstep at 1 kHz over DDS, plant and controller", "real time"
     lines = (
         Line(what, real, Spread.of(np.array(two)), FASTER, TWICE),
         Line(f"{what}, reference and recorder beside", real, Spread.of(np.array(four)), FASTER),
-        Line("plant and controller in one process", real, inside, FASTER, IN_PROCESS),
+        Line(
+            "plant and controller in one process",
+            real,
+            Spread.of(np.concatenate(inside)),
+            FASTER,
+            IN_PROCESS,
+        ),
     )
     return Measured(lines)
 
 
-def in_process(effort: Effort) -> Spread:
-    """Simulated time over time spent, of the plant and the cascade in a Python loop."""
+def in_process(effort: Effort) -> Array:
+    """Simulated time over time spent, of the plant and the cascade in a Python loop, by rounds."""
     model = nominal_model()
     material, mechanics = model.values("bouc_wen"), model.values("second_order")
     identified = Identified.from_values(material, mechanics, model.voltage_range)
@@ -58,7 +69,7 @@ def in_process(effort: Effort) -> Spread:
             simulated.command(controller.step(setpoint, simulated.position, simulated.voltage))
 
     spent = take_turns({"run": Contestant(run, TICKS)}, effort.rounds).rounds["run"]
-    return Spread.of(rig.SAMPLE_PERIOD / spent)
+    return rig.SAMPLE_PERIOD / spent
 
 
 def over_dds(effort: Effort, duration: float, *, beside: bool) -> float:
