@@ -46,7 +46,7 @@ def ahead(state: State, way: State, time: float) -> State:
 
 @numba.njit
 def marched(forces: Array, state: State) -> tuple[Array, State]:
-    """The displacement at each sample; the forces, N, stand at every half step, the last included."""
+    """The displacement at each sample; the forces, N, are those at all half steps and the end."""
     step = 1.0 / (RATE * STEPS)
     y = np.empty((len(forces) - 1) // (2 * STEPS))
     for j in range(0, len(forces) - 2, 2):
