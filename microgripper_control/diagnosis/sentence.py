@@ -86,6 +86,8 @@ def place(found: Range) -> str:
     if math.isinf(found.low):
         return phrase.format(f"below {quantity(found.high, unit)}")
     ends = f"{quantity(found.low, unit)} to {quantity(found.high, unit)}"
+    if found.low == found.high:
+        ends = f"about {quantity(found.low, unit)}"
     return phrase.format(f"of {ends}" if phrase.startswith("at") else ends)
 
 
@@ -157,7 +159,8 @@ def _vague(name: str, settings: Mapping[str, Setting]) -> str:
 
 
 def _shrunk(groups: Sequence[Sequence[str]], gap: Gap) -> str:
-    if all(registry()[name].read_off for group in groups for name in group):
+    rounding = all(registry()[name].read_off for group in groups for name in group)
+    if rounding and gap.augmented >= gap.refit:
         rounded = quantity(removable(gap.refit, gap.noise_floor), "m")
         return (
             f"That is {rounded} of the held-out error of {quantity(gap.refit, 'm')} (noise floor "

@@ -24,6 +24,7 @@ BINS = 24
 MOST = 0.6  # of the gap: what a reported range holds at least
 CONCENTRATION = 2.0  # share of the gap over share of the samples, at least
 ONE_WAY = 1.6  # the same where a direction can have no more than twice its share
+SAME = 1e-6  # of the range of the values: what lies closer together is one value
 RAREST = (0.98, 0.99, 0.997)  # quantiles that finer bins begin at where the largest values matter
 FEWEST = 1000  # samples
 PIECES = 40  # that the samples are cut into; every second one confirms
@@ -110,11 +111,7 @@ def _concentrated(
         return []
     if total <= 0.0:
         return []
-    parts = np.linspace(0.0, 1.0, BINS + 1)
-    if upwards:
-        parts = np.concatenate([parts, RAREST])
-    edges = np.unique(np.quantile(values, parts))
-    least = CONCENTRATION
+    values, edges, least = *_binned(values, upwards), CONCENTRATION
     if axis == "direction":
         edges, least = np.array([-1.5, 0.0, 1.5]), ONE_WAY
     count = len(edges) - 1
@@ -143,6 +140,22 @@ def _concentrated(
         low = high = -1.0 if run.start == 0 else 1.0
     concentration = share / float(sizes.mean(axis=0)[run].sum())
     return [_Found(Range(axis, low, high, min(1.0, share)), concentration)]
+
+
+def _binned(values: Array, upwards: bool) -> tuple[Array, Array]:
+    """The values without rounding errors, and the edges of bins that hold about as many each.
+
+    Where many share the largest value (a triangle has few rates) it has a bin to itself.
+    """
+    same = SAME * float(np.ptp(values))
+    values = same * np.rint(values / same)
+    parts = np.linspace(0.0, 1.0, BINS + 1)
+    if upwards:
+        parts = np.concatenate([parts, RAREST])
+    largest = float(np.max(values))
+    edges = np.unique(np.quantile(values, parts))
+    shared = np.quantile(values, 1.0 - 1.0 / BINS) == largest
+    return values, np.append(edges, largest) if shared else edges
 
 
 def _best_run(share: Array, size: Array, upwards: bool, least: float) -> slice | None:

@@ -22,7 +22,7 @@ from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
 from microgripper_control.effects.registry import registry
 from microgripper_control.plant.model import Model
-from microgripper_control.plant.simulate import Hold, Initial, simulate
+from microgripper_control.plant.simulate import Hold, Initial, sensed, simulate
 
 Mask = NDArray[np.bool_]
 
@@ -60,10 +60,15 @@ class Conditions:
 
 @dataclass(frozen=True)
 class Nuisance:
-    """One recording's own values: its initial h, m, and the weight of each of its courses, m."""
+    """One recording's own values: its initial h, m, and the weight of each of its courses, m.
+
+    `reading`, m, is one that lies in its middle: a grid of the sensor is counted from there, since
+    where the grid lies moves with the recording's zero.
+    """
 
     initial_hysteresis: float = 0.0
     weights: tuple[float, ...] = ()
+    reading: float = 0.0
 
     @property
     def offset(self) -> float:
@@ -104,13 +109,9 @@ def response(model: Model, recording: Recording, conditions: Conditions, h: floa
 
     It is not rounded to a sensor's grid either: what is rounded has no slope to fit by.
     """
-    rounding = [name for name in model.settings if registry()[name].read_off]
-    return _simulated(model.without(rounding) if rounding else model, recording, conditions, h)
-
-
-def _simulated(model: Model, recording: Recording, conditions: Conditions, h: float) -> Array:
+    rounding = _rounding(model)
     return simulate(
-        model,
+        model.without(rounding) if rounding else model,
         recording.voltage,
         recording.sample_period,
         hold=conditions.hold,
@@ -119,15 +120,22 @@ def _simulated(model: Model, recording: Recording, conditions: Conditions, h: fl
     )
 
 
+def _rounding(model: Model) -> list[str]:
+    """The links of a model that round what the sensor shows."""
+    return [name for name in model.settings if registry()[name].read_off]
+
+
 def predict(
     model: Model, recording: Recording, conditions: Conditions, nuisance: Nuisance
 ) -> Array:
     """The model's prediction of a recording's displacement, m, shape (n,)."""
-    free = _simulated(model, recording, conditions, nuisance.initial_hysteresis)
-    if not nuisance.weights:
-        return free
-    own: Array = np.array(nuisance.weights) @ courses(model, recording)
-    return free + own
+    shown = response(model, recording, conditions, nuisance.initial_hysteresis)
+    if nuisance.weights:
+        shown = shown + np.array(nuisance.weights) @ courses(model, recording)
+    for name in _rounding(model):
+        from_there = shown - nuisance.reading
+        shown = sensed(model, name, from_there, recording.sample_period) + nuisance.reading
+    return shown
 
 
 def largest_hysteresis(model: Model, recording: Recording) -> float:
@@ -179,7 +187,12 @@ def fit_nuisance(
         h = _fit_hysteresis(lambda h: without((recording.measured - answer(h))[mask]), bound)
         error = recording.measured - answer(h)
     weights, *_ = np.linalg.lstsq(shapes.T, error[mask], rcond=HARDLY_SEEN)
-    return Nuisance(h, tuple(map(float, weights)))
+    return Nuisance(h, tuple(map(float, weights)), middle_reading(recording, mask))
+
+
+def middle_reading(recording: Recording, used: Mask) -> float:
+    """The reading in the middle of some samples (shape (n,)) of a recording, m."""
+    return float(np.percentile(recording.measured[used], 50.0, method="nearest"))
 
 
 def _by_hysteresis(

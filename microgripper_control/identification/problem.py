@@ -24,6 +24,7 @@ from microgripper_control.identification.nuisance import (
     Projection,
     courses,
     largest_hysteresis,
+    middle_reading,
     response,
 )
 from microgripper_control.plant.model import Key, Model
@@ -129,7 +130,8 @@ class Problem:
         for index, h in enumerate(self.initial_hysteresis(z)):
             shapes = courses(model, self.recordings[index])[:, self.masks[index]]
             weights, *_ = np.linalg.lstsq(shapes.T, self._error(model, index, h), rcond=None)
-            found.append(Nuisance(h, tuple(map(float, weights))))
+            reading = middle_reading(self.recordings[index], self.masks[index])
+            found.append(Nuisance(h, tuple(map(float, weights)), reading))
         return found
 
     def residuals(self, z: Array) -> Array:

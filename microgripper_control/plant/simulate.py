@@ -14,6 +14,7 @@ import numpy as np
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.signals import HYSTERESIS, POSITION, ROWS, VOLTAGE, Array, Timing
 from microgripper_control.effects.material.bouc_wen import advance
+from microgripper_control.effects.registry import registry
 from microgripper_control.plant.bandlimited import Course, course
 from microgripper_control.plant.chain import Chain
 from microgripper_control.plant.model import Model
@@ -77,6 +78,18 @@ def simulate(
         positions[0] = chain.rest_position
         _run(chain, drive, positions[1:])
     return chain.sense(positions)
+
+
+def sensed(model: Model, name: str, positions: Array, sample_period: float) -> Array:
+    """What one link of a model that acts on samples makes of positions, m, shape (n,)."""
+    link = registry()[name]
+    timing = Timing.divide(sample_period, {0.0}, set(), ramped=False)
+    prepared = link.prepare(model.values(name), timing, np.zeros(ROWS))
+    bus = np.zeros((ROWS, len(positions)))
+    bus[POSITION] = positions
+    link.kernel(prepared.coefficients, prepared.state, bus)
+    shown: Array = bus[POSITION]
+    return shown
 
 
 def _run(chain: Chain, drive: Drive, positions: Array) -> None:

@@ -101,7 +101,9 @@ def span(low: float, high: float, unit: str, digits: int = 3) -> str:
         return f"more than {number(factor * low, digits)}\u00a0{name}".rstrip()
     if math.isinf(low):
         return f"less than {number(factor * high, digits)}\u00a0{name}".rstrip()
-    while low < high and number(factor * low, digits) == number(factor * high, digits):
+    if low == high:
+        return f"about {number(factor * low, digits)}\u00a0{name}".rstrip()
+    while number(factor * low, digits) == number(factor * high, digits):
         digits += 1
     both = f"{number(factor * low, digits)} to {number(factor * high, digits)}"
     return f"{both}\u00a0{name}".rstrip()

@@ -24,6 +24,7 @@ from microgripper_control.diagnosis.findings import Range
 from microgripper_control.diagnosis.freeform import explainable
 from microgripper_control.diagnosis.holds import growth_in_holds
 from microgripper_control.diagnosis.residuals import Residual
+from microgripper_control.diagnosis.sentence import place
 from microgripper_control.diagnosis.signatures import signatures
 from microgripper_control.diagnosis.where import locate, recent_rate
 
@@ -147,6 +148,18 @@ def test_error_after_fast_changes_alone() -> None:
     found = on("rate_V_per_s", locate([planted(voltage, late, odd=True)], NOISE))
     assert found.low > 300.0
     assert found.share_of_gap > 0.9
+
+
+def test_the_fastest_of_a_few_rates_is_told_from_the_others() -> None:
+    """The rate of a triangle is one value but for rounding errors, and many samples share it."""
+    rates = np.repeat([100.0, 200.0, 465.0], [16000, 16000, 8000])  # V/s
+    travel = PERIOD * np.cumsum(rates)
+    voltage = 50.0 + 2.0 * np.abs((travel + 25.0) % 100.0 - 50.0) - 50.0
+    late = np.where(rates > 300.0, 2e-7 * np.sin(2.0 * np.pi * 3.1 * time_of(voltage)), 0.0)
+    found = on("rate_V_per_s", locate([planted(voltage, late)], NOISE))
+    assert found.low == pytest.approx(930.0)
+    assert found.high == pytest.approx(930.0)
+    assert "about 930 V/s" in place(found)
 
 
 def test_one_direction_alone() -> None:

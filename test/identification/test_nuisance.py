@@ -95,6 +95,24 @@ def test_the_course_of_a_hum_and_a_drift_belongs_to_the_recording() -> None:
     assert np.max(np.abs((noisy.measured - prediction)[counted])) < 2e-9
 
 
+def test_readings_are_rounded_where_the_recording_has_its_grid() -> None:
+    """The sensor rounds what it shows, hum included; where its steps lie, the tare decides."""
+    step, tare = 3e-7, 1.1e-7
+    clean = recording()
+    hum = 2e-7 * np.sin(2.0 * np.pi * 50.0 * 1e-3 * np.arange(len(clean)) + 1.1)
+    shown = tare + step * np.rint((clean.measured + hum) / step)
+    coarse = Recording("run", 1e-3, VOLTAGE.copy(), shown)
+    model = nominal_model().with_link("mains_hum", frequency=50.0)
+    smooth, counted = heldout_prediction(model, coarse, Conditions())
+    rounded, _ = heldout_prediction(
+        model.with_link("sensor_quantization", resolution=step), coarse, Conditions()
+    )
+    off = (rounded - shown) / step
+    assert np.allclose(off, np.rint(off), atol=1e-6)
+    assert np.mean(np.abs(off[counted]) < 0.5) > 0.95
+    assert np.std((smooth - shown)[counted]) == pytest.approx(step / np.sqrt(12.0), rel=0.1)
+
+
 def test_a_course_that_died_away_unseen_gets_no_weight() -> None:
     """The first samples are not compared: creep of a few of them could be put there at will."""
     clean = recording()

@@ -63,6 +63,7 @@ def test_a_range_has_one_unit_and_says_where_it_is_open() -> None:
     assert span(-math.inf, math.inf, "s") == "not determined"
     assert plain_spaces(span(-1100.4, -1099.8, "1/m", 2)) == "\u22121100.4 to \u22121099.8 1/m"
     assert plain_spaces(span(1.23401, 1.23402, "", 2)) == "1.23401 to 1.23402"
+    assert plain_spaces(span(464.6, 464.6, "V/s", 2)) == "about 460 V/s"
 
 
 def test_a_share_that_is_not_quite_nothing_or_all_says_so() -> None:
