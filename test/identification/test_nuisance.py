@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 from microgripper_control.core.recording import Recording
-from microgripper_control.core.signals import Array
-from microgripper_control.identification import nuisance
 from microgripper_control.identification.nuisance import (
     Conditions,
     blocks,
@@ -44,38 +42,6 @@ def test_a_small_loop_may_begin_with_what_a_large_one_has_built_up() -> None:
     assert abs(found.initial_hysteresis) > 0.0801 * 1.4447e-7 * 3.0 * np.max(small)
     predicted = predict(nominal_model(), piece, Conditions(), found)
     assert np.max(np.abs(predicted - piece.measured)[5:]) < 1e-9
-
-
-LEFT = {
-    "straight": lambda h: (h - 0.37, 0.1),
-    "two basins": lambda h: (abs(h) - 0.6, 0.2 * (h - 0.5)),
-    "a kink": lambda h: (abs(h - 0.11) + 0.3, 0.1 * h),
-    "bent": lambda h: (np.exp(3.0 * h) - 2.0, 0.5 * h),
-    "bent the other way, little left": lambda h: (np.log(h + 1.2) + 0.3, 1e-6),
-    "least beyond the bound": lambda h: (h - 3.0, 0.1),
-    "diverges on one side": lambda h: (h - 0.2 if h > -0.3 else np.inf, 0.1),
-}
-
-
-@pytest.mark.parametrize("what", LEFT)
-def test_the_initial_hysteresis_leaves_the_least_of_its_range(what: str) -> None:
-    tried: list[float] = []
-
-    def squares(h: float) -> float:
-        return float(np.sum(np.square(LEFT[what](h))))
-
-    def left(h: float) -> Array:
-        tried.append(h)
-        return np.array(LEFT[what](h))
-
-    h = nuisance._fit_hysteresis(left, 1.0)
-    assert max(map(abs, tried)) <= 1.0
-    assert squares(h) <= 1.000001 * min(map(squares, tried))
-    assert squares(h) < 1.01 * min(map(squares, np.linspace(-1.0, 1.0, 2001)))
-
-
-def test_an_initial_hysteresis_that_does_not_matter_is_zero() -> None:
-    assert nuisance._fit_hysteresis(lambda h: np.array([1.0, 2.0]), 1.0) == 0.0
 
 
 def test_a_frozen_zero_is_left_alone() -> None:
