@@ -28,6 +28,7 @@ DEAR_STEPS = 8  # where each sample is dear: first with the base's derivatives k
 CARRIED = 2  # fits of a part of the samples that are tried on all of them
 SETTLING_IN = 5  # steps with the same derivatives, from a part of the samples to all of them
 MISLED = 1.5  # times what is left of a part: where all samples leave more, it has misled the fit
+ROUNDS, FALLING = 5, 0.8  # of a misled fit, as long as each leaves so much of what was left
 ROUGH = 1e-3  # tolerance
 
 
@@ -96,7 +97,22 @@ def _carried(
     if least >= known or whole.fitted_rmse <= MISLED * least:
         return whole
     others = [moved(evidence, fit) for fit in best_of_each_kind(found, name)]
-    return _least([whole, *(fit_on(evidence, fit, ROUGH, DEAR_STEPS) for fit in others)])
+    return _least([whole, *(_while_it_falls(evidence, fit) for fit in others)])
+
+
+def _while_it_falls(evidence: Evidence, trial: Trial) -> Trial:
+    """Fit on all samples what a part has misled, in rounds.
+
+    Stretches do not show a force what it remembers from before them: where its memory is long, the
+    way back from what they made of it is long as well.
+    """
+    left = math.inf
+    for _ in range(ROUNDS):
+        trial = fit_on(evidence, trial, ROUGH, DEAR_STEPS)
+        if not trial.fitted_rmse < FALLING * left:
+            break
+        left = trial.fitted_rmse
+    return trial
 
 
 def _least(trials: Sequence[Trial]) -> Trial | None:

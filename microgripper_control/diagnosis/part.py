@@ -30,6 +30,7 @@ class Effort(NamedTuple):
 
 
 PART = 15_000  # samples that are fitted then
+WORTHWHILE = 2.0  # times that many, at least, or all are fitted
 GLANCE = 6000  # samples on which it is seen what a force promises
 MANY = 40_000  # samples
 MOST_ROWS = 5e6  # of coefficients in a simulation with forces: what makes it longer does not join
@@ -44,9 +45,11 @@ def on_a_part(
 ) -> tuple[Evidence, Sequence[Base]]:
     """What to try an effect on and the bases there: with a dear force, about `most` samples.
 
-    For a glance that goes for any force.
+    For a glance that goes for any force. Less than twice as many are left whole: a stretch forgets
+    what was before it, and its fit may lead astray.
     """
     less = is_dear_with(evidence, bases[0].trial, name) or (most <= GLANCE and is_force(name))
+    less = less and sum(len(recording) for recording in evidence.fitted) > WORTHWHILE * most
     part = evidence.pieces(most) if less else evidence
     if part is evidence:
         return evidence, bases

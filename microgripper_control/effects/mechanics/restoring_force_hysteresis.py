@@ -2,17 +2,19 @@
 
     F = -z - alpha distributed / N sum_i s_i,
     z' = alpha (1 - distributed) x' - beta |x'| z |z|^(n-1) - gamma x' |z|^n,
-    s_i follows x, but never leaves -w_i .. w_i,        w_i = widest (i - 1/2) / N,    i = 1 .. N
+    s_i follows x, but never leaves -w_i .. w_i,
+    w_i = widest (onset + (1 - onset) (i - 1/2) / N),        i = 1 .. N
 
 The first part is of the same family as the material's (effects/material/bouc_wen.py) with the
 displacement in place of the voltage: a joint, a bond or a bearing whose force remembers the way and
 is soon saturated. The public Bouc-Wen benchmark is this with alpha 5e4 N/m, beta 800 /m, gamma
 -1100 /m, n 1, at distributed 0.
 
-The second part goes on softening up to `widest`, as a bolted joint does whose parts slip one after
-the other: N springs that each slip at a force of its own, evenly spread (Iwan). By itself it comes
-within 2 to 9 % of slip distances that are spread by a power law with exponents from 0 to -0.5
-(Segalman), of what these leave of a straight line, and within 4 % together with the first.
+The second part softens from `onset`, a share of `widest`, until there, as a bolted joint does whose
+parts slip one after the other: N springs that each slip at a force of its own, evenly spread over a
+band (Iwan). From 0 on it comes by itself within 2 to 9 % of slip distances that are spread by a
+power law with exponents from 0 to -0.5 (Segalman), of what these leave of a straight line, and
+within 4 % together with the first.
 """
 
 import math
@@ -39,7 +41,7 @@ def law(
     force = -float(z)
     if c[4] == 0.0:
         return force
-    limit = 0.5 * c[5]
+    limit = c[6] + 0.5 * c[5]
     for i in range(1, 1 + ELEMENTS):
         s = min(max(before[i] + way, -limit), limit)
         after[i] = s
@@ -51,7 +53,13 @@ def law(
 def coefficients(values: Values) -> Sequence[float]:
     alpha, distributed = values["alpha"], values["distributed"]
     bouc_wen = (alpha * (1.0 - distributed), values["beta"], values["gamma"], values["n"])
-    return *bouc_wen, alpha * distributed / ELEMENTS, values["widest"] / ELEMENTS
+    first = values["onset"] * values["widest"]
+    return (
+        *bouc_wen,
+        alpha * distributed / ELEMENTS,
+        (values["widest"] - first) / ELEMENTS,
+        first,
+    )
 
 
 def stiffness(values: Values) -> float:
@@ -64,7 +72,8 @@ RATE_UNIT = "1/(m*N^(n-1))"
 def starts(scales: Scales) -> Sequence[Values]:
     """A fiftieth of the stiffness, forgotten over more or less of the stroke; or all that slips.
 
-    What slips may be about as stiff as the rig: a fit does not get there from a seventh of it.
+    What slips may be about as stiff as the rig: a fit does not get there from a seventh of it. From
+    where the first bit slips at once it does not get to where none does for long.
     """
     saturating = [
         {"alpha": 0.02 * scales.stiffness, "beta": beta, "gamma": share * beta}
@@ -76,6 +85,7 @@ def starts(scales: Scales) -> Sequence[Values]:
             "alpha": strength * scales.stiffness,
             "distributed": 1.0,
             "widest": share * scales.stroke,
+            "onset": 0.3,
         }
         for strength in (0.02, 0.15, 0.6)
         for share in (0.3, 0.7)
@@ -85,7 +95,7 @@ def starts(scales: Scales) -> Sequence[Values]:
 
 def idle(values: Values) -> Collection[str]:
     """Of a part that has no share."""
-    without = {0.0: ("widest",), 1.0: ("beta", "gamma")}
+    without = {0.0: ("widest", "onset"), 1.0: ("beta", "gamma")}
     return without.get(values["distributed"], ())
 
 
@@ -146,6 +156,7 @@ LINK = Link(
             "distributed", "1", 0.0, 0.0, 1.0, "share of alpha that slips bit by bit", fitted=False
         ),
         Parameter("widest", "m", 1e-5, 1e-9, 1.0, "distance at which the last bit slips"),
+        Parameter("onset", "1", 0.0, 0.0, 0.95, "share of it at which the first one does"),
     ),
     starts=starts,
     idle=idle,

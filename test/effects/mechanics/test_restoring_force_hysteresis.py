@@ -161,13 +161,14 @@ def test_planted_values_are_found(
 SLIPPING = {"alpha": 4e6, "distributed": 1.0, "widest": 8e-6}
 
 
-def test_bit_by_bit_it_softens_along_a_parabola() -> None:
+@pytest.mark.parametrize("onset", [0.0, 0.4])
+def test_bit_by_bit_it_softens_along_a_parabola(onset: float) -> None:
     """As the evenly spread slip distances do of which the elements are a sample: Iwan 1966."""
     x = np.linspace(0.0, 12e-6, 241)
-    slipped = np.minimum(x, 8e-6)
-    expected = -4e6 * (slipped - slipped**2 / 16e-6)
-    error = asked(SLIPPING, x) - expected[1:]
-    assert np.max(np.abs(error)) < 1.001 * 4e6 * 8e-6 / (8.0 * ELEMENTS**2)  # of N chords
+    first, slipped = onset * 8e-6, np.minimum(x, 8e-6)
+    bent = np.maximum(slipped - first, 0.0) ** 2 / (2.0 * (8e-6 - first))
+    error = asked(SLIPPING | {"onset": onset}, x) + 4e6 * (slipped - bent)[1:]
+    assert np.max(np.abs(error)) < 1.001 * 4e6 * (8e-6 - first) / (8.0 * ELEMENTS**2)  # N chords
 
 
 def test_a_reversal_is_the_first_loading_twice_as_large() -> None:
@@ -210,8 +211,8 @@ def test_slipping_bit_by_bit_it_meets_an_integrator(
     beta, gamma, distributed = 2e5, 1e5, 0.7
     alpha *= model.value("second_order", "k")
     values = {"alpha": alpha, "beta": beta, "gamma": gamma}
-    values |= {"distributed": distributed, "widest": 1.5e-5}
-    limits = 1.5e-5 * (np.arange(ELEMENTS) + 0.5) / ELEMENTS
+    values |= {"distributed": distributed, "widest": 1.5e-5, "onset": 0.2}
+    limits = 1.5e-5 * (0.2 + 0.8 * (np.arange(ELEMENTS) + 0.5) / ELEMENTS)
     bit = alpha * distributed / ELEMENTS
 
     def force(x: float, v: float, own: Array) -> tuple[float, list[float]]:
@@ -234,9 +235,10 @@ def test_streaming_is_batch_while_it_slips(
 def test_a_planted_slip_is_found(
     paper: Model, lively: Array, recover: Callable[..., tuple[Array, Array]]
 ) -> None:
-    truth = np.array([8e6, 1.4e-5])
-    rig = paper.with_link(LINK, alpha=truth[0], distributed=1.0, widest=truth[1])
-    start = {"alpha": 5e6, "widest": 1e-5}
+    truth = np.array([8e6, 1.4e-5, 0.5])
+    asked_for = {"alpha": truth[0], "widest": truth[1], "onset": truth[2]}
+    rig = paper.with_link(LINK, distributed=1.0, **asked_for)
+    start = {"alpha": 5e6, "widest": 1e-5, "onset": 0.3}
     found, errors = recover(rig, LINK, start, lively, 1e-3)
     assert np.all(np.abs(found - truth) < 4.0 * errors)
     assert np.all(errors < 0.1 * truth)
