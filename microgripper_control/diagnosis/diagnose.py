@@ -73,6 +73,7 @@ def diagnose(
     if verdict == EFFECTS:
         effects = answer.by_importance(answer.chosen(weighed, pool), pool)
         best = refined(evidence, pool.tried[frozenset(effects)], FINE, 20)
+        pool.add(best)  # what is said of it below, and of the noise, is said of this last fit
     model = nominal if verdict == NONE else identified(evidence, best)
     found = answer.candidates(weighed, pool, names, signs, model)
     before, refit, best = (on_all(whole, lean, trial) for trial in (before, refit, best))
