@@ -103,7 +103,7 @@ def span(low: float, high: float, unit: str, digits: int = 3) -> str:
         return f"less than {number(factor * high, digits)}\u00a0{name}".rstrip()
     if low == high:
         return f"about {number(factor * low, digits)}\u00a0{name}".rstrip()
-    while number(factor * low, digits) == number(factor * high, digits):
+    while low < high and number(factor * low, digits) == number(factor * high, digits):
         digits += 1
     both = f"{number(factor * low, digits)} to {number(factor * high, digits)}"
     return f"{both}\u00a0{name}".rstrip()
