@@ -60,7 +60,7 @@ def locate(residuals: Sequence[Residual], noise: float) -> list[Range]:
             found += _concentrated("displacement_m", _position, residuals, noise)
             found += _concentrated("voltage_V", _voltage, residuals, noise)
         found += _concentrated("rate_V_per_s", recent_rate, residuals, noise, upwards=True)
-        found += _concentrated("direction", _direction, residuals, noise)
+        found += _one_way(residuals, noise)
         found += _growing(residuals, noise) or _concentrated(
             "hold_time_s", lambda residual: residual.hold_time, residuals, noise
         )
@@ -99,24 +99,52 @@ def _concentrated(
 ) -> list[_Found]:
     """The range that holds most of the gap in the smallest share of the samples.
 
-    Looked for in every second piece and judged on the others, and the other way round: the best of
-    many ranges is always good where it was found. `upwards`: it must reach to the largest value.
+    `upwards`: it must reach to the largest value.
     """
-    values = np.concatenate([pick(residual)[residual.counted] for residual in residuals])
-    errors = np.concatenate([residual.error[residual.counted] for residual in residuals])
-    power = errors**2 - noise**2
-    known = np.isfinite(values)
-    values, power, total = values[known], power[known], float(np.sum(power))
+    values, power = _powers(pick, residuals, noise)
     if len(values) < FEWEST or np.ptp(values) == 0.0:
         return []
-    if total <= 0.0:
+    values, edges = _binned(values, upwards)
+    best = _confirmed(values, power, edges, CONCENTRATION, upwards)
+    if best is None:
         return []
-    values, edges, least = *_binned(values, upwards), CONCENTRATION
-    if axis == "direction":
-        edges, least = np.array([-1.5, 0.0, 1.5]), ONE_WAY
+    run, share, concentration = best
+    low, high = float(edges[run.start]), float(edges[run.stop])
+    return [_Found(Range(axis, low, high, share), concentration)]
+
+
+def _one_way(residuals: Sequence[Residual], noise: float) -> list[_Found]:
+    """Whether most of the gap lies on rising or on falling voltage."""
+    values, power = _powers(_direction, residuals, noise)
+    if len(values) < FEWEST or np.ptp(values) == 0.0:
+        return []
+    best = _confirmed(values, power, np.array([-1.5, 0.0, 1.5]), ONE_WAY)
+    if best is None:
+        return []
+    run, share, concentration = best
+    way = -1.0 if run.start == 0 else 1.0
+    return [_Found(Range("direction", way, way, share), concentration)]
+
+
+def _powers(pick: Pick, residuals: Sequence[Residual], noise: float) -> tuple[Array, Array]:
+    """Of the samples where an axis has a value: that, and the error's power above the noise's."""
+    values = np.concatenate([pick(residual)[residual.counted] for residual in residuals])
+    errors = np.concatenate([residual.error[residual.counted] for residual in residuals])
+    known = np.isfinite(values)
+    return values[known], errors[known] ** 2 - noise**2
+
+
+def _confirmed(
+    values: Array, power: Array, edges: Array, least: float, upwards: bool = False
+) -> tuple[slice, float, float] | None:
+    """The best run of bins, its share of the gap, and how concentrated the gap is in it.
+
+    Looked for in every second piece and judged on the others, and the other way round: the best of
+    many ranges is always good where it was found.
+    """
     count = len(edges) - 1
-    if count < 2:
-        return []
+    if count < 2 or np.sum(power) <= 0.0:
+        return None
     bin_of = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, count - 1)
     piece = np.arange(len(values)) * PIECES // len(values) % 2
     shares, sizes = np.empty((2, count)), np.empty((2, count))
@@ -124,22 +152,19 @@ def _concentrated(
         of_half = piece == half
         gap = np.bincount(bin_of[of_half], weights=power[of_half], minlength=count)
         if gap.sum() <= 0.0:
-            return []
+            return None
         shares[half] = gap / gap.sum()
         sizes[half] = np.bincount(bin_of[of_half], minlength=count) / np.count_nonzero(of_half)
     for half in (0, 1):
         run = _best_run(shares[half], sizes[half], upwards, least)
         if run is None or not _holds(shares[1 - half][run], sizes[1 - half][run], least):
-            return []
-    run = _best_run(shares.mean(axis=0), sizes.mean(axis=0), upwards, least)
+            return None
+    share, size = shares.mean(axis=0), sizes.mean(axis=0)
+    run = _best_run(share, size, upwards, least)
     if run is None:
-        return []
-    share = float(shares.mean(axis=0)[run].sum())
-    low, high = float(edges[run.start]), float(edges[run.stop])
-    if axis == "direction":
-        low = high = -1.0 if run.start == 0 else 1.0
-    concentration = share / float(sizes.mean(axis=0)[run].sum())
-    return [_Found(Range(axis, low, high, min(1.0, share)), concentration)]
+        return None
+    held = float(share[run].sum())
+    return run, min(1.0, held), held / float(size[run].sum())
 
 
 def _binned(values: Array, upwards: bool) -> tuple[Array, Array]:

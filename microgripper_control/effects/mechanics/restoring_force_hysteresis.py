@@ -3,18 +3,17 @@
     F = -z - alpha distributed / N sum_i s_i,
     z' = alpha (1 - distributed) x' - beta |x'| z |z|^(n-1) - gamma x' |z|^n,
     s_i follows x, but never leaves -w_i .. w_i,
-    w_i = widest (onset + (1 - onset) (i - 1/2) / N),        i = 1 .. N
+    w_i = widest ((i - 1/2) / N)^spread,        i = 1 .. N
 
 The first part is of the same family as the material's (effects/material/bouc_wen.py) with the
 displacement in place of the voltage: a joint, a bond or a bearing whose force remembers the way and
 is soon saturated. The public Bouc-Wen benchmark is this with alpha 5e4 N/m, beta 800 /m, gamma
 -1100 /m, n 1, at distributed 0.
 
-The second part softens from `onset`, a share of `widest`, until there, as a bolted joint does whose
-parts slip one after the other: N springs that each slip at a force of its own, evenly spread over a
-band (Iwan). From 0 on it comes by itself within 2 to 9 % of slip distances that are spread by a
-power law with exponents from 0 to -0.5 (Segalman), of what these leave of a straight line, and
-within 4 % together with the first.
+The second part softens bit by bit until `widest`, as a bolted joint does whose parts slip one after
+the other: N springs that each slip at a distance of its own. At spread 1 the distances are even
+(Iwan), below 1 they are close to the widest, and above 1 most of them are short: their density goes
+with the distance to the power of 1 / spread - 1 (which Segalman finds between -1 and 0 in joints).
 """
 
 import math
@@ -41,25 +40,20 @@ def law(
     force = -float(z)
     if c[4] == 0.0:
         return force
-    limit = c[6] + 0.5 * c[5]
     for i in range(1, 1 + ELEMENTS):
+        limit = c[4 + i]
         s = min(max(before[i] + way, -limit), limit)
         after[i] = s
         force -= c[4] * s
-        limit += c[5]
     return force
 
 
 def coefficients(values: Values) -> Sequence[float]:
     alpha, distributed = values["alpha"], values["distributed"]
     bouc_wen = (alpha * (1.0 - distributed), values["beta"], values["gamma"], values["n"])
-    first = values["onset"] * values["widest"]
-    return (
-        *bouc_wen,
-        alpha * distributed / ELEMENTS,
-        (values["widest"] - first) / ELEMENTS,
-        first,
-    )
+    shares = [((i + 0.5) / ELEMENTS) ** values["spread"] for i in range(ELEMENTS)]
+    limits = [values["widest"] * share for share in shares]
+    return (*bouc_wen, alpha * distributed / ELEMENTS, *limits)
 
 
 def stiffness(values: Values) -> float:
@@ -72,8 +66,7 @@ RATE_UNIT = "1/(m*N^(n-1))"
 def starts(scales: Scales) -> Sequence[Values]:
     """A fiftieth of the stiffness, forgotten over more or less of the stroke; or all that slips.
 
-    What slips may be about as stiff as the rig: a fit does not get there from a seventh of it. From
-    where the first bit slips at once it does not get to where none does for long.
+    What slips may be about as stiff as the rig: a fit does not get there from a seventh of it.
     """
     saturating = [
         {"alpha": 0.02 * scales.stiffness, "beta": beta, "gamma": share * beta}
@@ -85,7 +78,7 @@ def starts(scales: Scales) -> Sequence[Values]:
             "alpha": strength * scales.stiffness,
             "distributed": 1.0,
             "widest": share * scales.stroke,
-            "onset": 0.3,
+            "spread": 0.7,
         }
         for strength in (0.02, 0.15, 0.6)
         for share in (0.3, 0.7)
@@ -95,7 +88,7 @@ def starts(scales: Scales) -> Sequence[Values]:
 
 def idle(values: Values) -> Collection[str]:
     """Of a part that has no share."""
-    without = {0.0: ("widest", "onset"), 1.0: ("beta", "gamma")}
+    without = {0.0: ("widest", "spread"), 1.0: ("beta", "gamma")}
     return without.get(values["distributed"], ())
 
 
@@ -145,7 +138,10 @@ LINK = Link(
     stage=Stage.MECHANICS,
     order=40,
     title="hysteresis in the restoring force",
-    source="Bouc 1967, Wen 1976; Noel and Schoukens 2016, doi 10.4121/12967592; Iwan 1966",
+    source=(
+        "Bouc 1967, Wen 1976; Noel and Schoukens 2016, doi 10.4121/12967592; Iwan 1966; "
+        "Segalman 2005"
+    ),
     force=Force(law, coefficients, stiffness, states=1 + ELEMENTS),
     parameters=(
         Parameter("alpha", "N/m", 2e6, 0.0, 1e12, "stiffness after a reversal", 0.0),
@@ -156,7 +152,9 @@ LINK = Link(
             "distributed", "1", 0.0, 0.0, 1.0, "share of alpha that slips bit by bit", fitted=False
         ),
         Parameter("widest", "m", 1e-5, 1e-9, 1.0, "distance at which the last bit slips"),
-        Parameter("onset", "1", 0.0, 0.0, 0.95, "share of it at which the first one does"),
+        Parameter(
+            "spread", "1", 1.0, 0.0, 5.0, "of shorter ones: 0 none, 1 evenly, more: most short"
+        ),
     ),
     starts=starts,
     idle=idle,
