@@ -1,15 +1,19 @@
 """Hysteresis whose rising and falling branches differ by more than beta and gamma give.
 
-    w_a = w - (tilt u + bulge u^2 + twist u^3 + skew s) s,        reach s' = (sgn u' - s) |u'|
+    w_a = w - (tilt u + bulge u^2 + twist u^3 + skew s) s - z
+    s' = (sgn u' - s) |u'| / reach
+    z' = (delta u - (1 + lean sgn(u' h)) z / reach) |u'|
 
 s is the direction in which the voltage goes, +-1, as the material remembers it: after a turn it
 changes over within a travel of `reach`. Its weight follows the voltage, so the branches part by
 `tilt` more towards one end of the range, by `bulge` more in the middle or at both ends, by `twist`
 one way in its lower and the other way in its upper part; `skew` moves both branches where they are
 far from a turn. Only the way counts, not the speed. A weight without u is left out: that is a loop
-as h is one. Generalised Bouc-Wen equations put such terms into h' (Zhu and Wang delta u sgn(u'),
-Song and Der Kiureghian the signs of products of u, u' and h); put beside it they leave its closed
-form alone.
+as h is one.
+
+z keeps what was written at a voltage until it is forgotten as h is: it is what Zhu and Wang's term
+delta u |u'| in h' adds to h, as long as that does not change the sign of h, with 1 / reach for beta
+and `lean` for gamma / beta. Put beside h instead of into h' it leaves the closed form of h alone.
 """
 
 import math
@@ -20,41 +24,66 @@ import numpy as np
 from microgripper_control.core.compiled import compiled
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import percent
-from microgripper_control.core.signals import FREE, VOLTAGE, Array, Timing
+from microgripper_control.core.signals import FREE, HYSTERESIS, ROWS, VOLTAGE, Array, Timing
 from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
+from microgripper_control.effects.material.bouc_wen import filled
+
+LOOP = 400  # samples of the largest loop, each way,
+CLOSED = 20  # times round until its end is its beginning
+
+
+@compiled
+def written(z: float, delta: float, u: float, way: float, c: float) -> float:
+    """z after the voltage moved on from u by `way`, V, where dz/d|u| = delta u - c z."""
+    xi, sign = abs(way), 1.0 if way > 0.0 else -1.0
+    share = filled(c, xi)
+    small = abs(c * xi) < 0.02
+    rest = xi * xi * (0.5 - c * xi / 6.0) if small else (xi - share) / c
+    return z * (1.0 - c * share) + delta * (u * share + sign * rest)
 
 
 @compiled
 def kernel(coefficients: Array, state: Array, bus: Array) -> None:
-    """State: s and the voltage so far. A row: tilt, bulge, twist, skew, reach."""
+    """State: s, z, the voltage and h so far. A row: as `prepare` has it."""
     c = coefficients[0]
-    s, old = state[0], state[1]
+    s, z, old, before = state[0], state[1], state[2], state[3]
+    ahead, back = (1.0 + c[6]) / c[4], (1.0 - c[6]) / c[4]
     for j in range(bus.shape[1]):
-        u = bus[VOLTAGE, j]
+        u, h = bus[VOLTAGE, j], bus[HYSTERESIS, j]
         if u != old:
             kept = math.exp(-abs(u - old) / c[4])
             s = kept * s + (1.0 - kept if u > old else kept - 1.0)
-            old = u
-        bus[FREE, j] -= (((c[2] * u + c[1]) * u + c[0]) * u + c[3] * s) * s
-    state[0], state[1] = s, old
+            if c[5] != 0.0:
+                way = u - old
+                crossing = 0.0  # of h, as a share of the way
+                if before * way < 0.0:
+                    crossing = 1.0 if h * way <= 0.0 else before / (before - h)
+                z = written(z, c[5], old, crossing * way, back)
+                z = written(z, c[5], old + crossing * way, (1.0 - crossing) * way, ahead)
+            old, before = u, h
+        bus[FREE, j] -= (((c[2] * u + c[1]) * u + c[0]) * u + c[3] * s) * s + z
+    state[0], state[1], state[2], state[3] = s, z, old, before
 
 
 def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     """The levels are left alone: a material at rest remembers no direction."""
-    row = [values[name] for name in ("tilt", "bulge", "twist", "skew", "reach")]
-    return Prepared(np.array([row]), np.array([0.0, levels[VOLTAGE]]), timing.ramped)
+    row = [values[name] for name in ("tilt", "bulge", "twist", "skew", "reach", "delta", "lean")]
+    state = np.array([0.0, 0.0, levels[VOLTAGE], levels[HYSTERESIS]])
+    return Prepared(np.array([row]), state, timing.ramped)
 
 
 def starts(scales: Scales) -> Sequence[Values]:
-    """Each of the four ways by itself, a hundredth of the stroke, with two memories."""
+    """Each of the ways by itself, a hundredth of the stroke, with two memories."""
     u, size = max(abs(volts) for volts in scales.voltage), 0.01 * scales.stroke
-    off = {"tilt": 0.0, "bulge": 0.0, "twist": 0.0, "skew": 0.0}
+    off = {"tilt": 0.0, "bulge": 0.0, "twist": 0.0, "skew": 0.0, "delta": 0.0}
     ways = {"tilt": size / u, "bulge": size / u**2, "twist": size / u**3, "skew": size}
-    return [
+    beside = [
         off | {name: way, "reach": share * scales.swing}
         for share in (0.08, 0.2)
         for name, way in ways.items()
     ]
+    reach = 0.4 * scales.swing
+    return [*beside, off | {"delta": size / (u * reach), "reach": reach}]
 
 
 def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
@@ -77,15 +106,25 @@ def says(values: Values, scales: Scales) -> str:
 def apart(values: Values, scales: Scales) -> Array:
     """How much further than the paper's the branches of the largest loop are apart, m, (50,).
 
-    At voltages evenly over it.
+    At voltages evenly over it. h is taken to change its sign as s does.
     """
-    u = np.linspace(*scales.voltage, 50)
-    reach, low, high = values["reach"], u[0], u[-1]
-    turned = 1.0 + math.tanh((high - low) / (2.0 * reach))
-    rising, falling = 1.0 - turned * np.exp((low - u) / reach), turned * np.exp((u - high) / reach)
-    falling -= 1.0
-    weight = ((values["twist"] * u + values["bulge"]) * u + values["tilt"]) * u
-    return np.asarray(weight * (rising - falling) + values["skew"] * (rising**2 - falling**2))
+    low, high = scales.voltage
+    rise = np.linspace(low, high, LOOP + 1)
+    way = np.arange(1, LOOP + 1) * (high - low) / LOOP / values["reach"]
+    sign = 1.0 - (1.0 + math.tanh(0.5 * way[-1])) * np.exp(-way)
+    levels = np.zeros(ROWS)
+    levels[VOLTAGE] = low
+    link = prepare(values, Timing(1.0, (1.0,), True), levels)
+    bus = np.zeros((ROWS, 2 * LOOP))
+    for _ in range(CLOSED):
+        bus[FREE] = 0.0
+        bus[VOLTAGE] = np.append(rise[1:], rise[-2::-1])
+        bus[HYSTERESIS] = np.append(sign, -sign)
+        kernel(link.coefficients, link.state, bus)
+    u = np.linspace(low, high, 50)
+    rising = np.interp(u, rise[1:], bus[FREE, :LOOP])
+    falling = np.interp(u, rise[:-1], bus[FREE, : LOOP - 1 : -1])
+    return np.asarray(falling - rising)
 
 
 LINK = Link(
@@ -100,6 +139,8 @@ LINK = Link(
         Parameter("twist", "m/V^3", 1e-13, -1e-5, 1e-5, "with its cube", 0.0),
         Parameter("skew", "m", 1e-7, -1e-2, 1e-2, "of both branches, far from a turn", 0.0),
         Parameter("reach", "V", 15.0, 1e-3, 1e4, "travel over which a turn is forgotten"),
+        Parameter("delta", "m/V^2", 1e-12, -1e-3, 1e-3, "written into the loop, with voltage", 0.0),
+        Parameter("lean", "1", -1.5, -10.0, 10.0, "gamma over beta of the loop", fitted=False),
     ),
     prepare=prepare,
     kernel=kernel,

@@ -28,7 +28,7 @@ STRAIGHT = 1e-8  # so near zero that the terms in |h|^n are less than this besid
 
 
 @inlined
-def _grown(c: float, xi: float) -> float:
+def filled(c: float, xi: float) -> float:
     """What dg/dxi = 1 - c g has made of zero after xi: (1 - exp(-c xi)) / c."""
     x = c * xi
     if abs(x) < 0.2:  # Pade: within 2e-14, and quicker
@@ -106,14 +106,14 @@ def advance(h: float, du: float, a: float, beta: float, gamma: float, n: float) 
     xi, feed = abs(du), a if du > 0.0 else -a
     if h * du < 0.0:
         c = beta - gamma
-        grown = _grown(c, xi)
+        grown = filled(c, xi)
         new = h * (1.0 - c * grown) + feed * grown
         if new * du <= 0.0:
             return new
         xi -= _travel_to_zero(-abs(h), a, c)
         h = 0.0
     c = beta + gamma
-    grown = _grown(c, xi)
+    grown = filled(c, xi)
     return h * (1.0 - c * grown) + feed * grown
 
 
