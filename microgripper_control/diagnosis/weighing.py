@@ -14,7 +14,8 @@ nothing counts.
 Both terms are taken on the judging samples and, with a weight, on the fitted ones: an effect may
 show in the one and not in the other. Flexible laws are held back by the former.
 `odds` are what an explanation must gain before it is believed: one amount for an effect, a further
-one for each other, less where their signatures are there and more where they should be and are not.
+one for each other, less where their signatures are there and more where they should be and are not;
+and more for what is left of the gap where an effect's name leaves its law little choice.
 `none` is the nominal model as it was given, `parameters` the refit, `unknown` a law that is not in
 the library and leaves the share `unknown_rest` of the gap.
 
@@ -62,6 +63,16 @@ AGREES = {
     "friction": 0.6,
     "sensor_lag": 0.6,
 }
+# What leaving all of the gap would cost an effect, and in proportion what it leaves of it. A drift
+# has a course of its own in each recording, which leaves next to nothing of what is a drift.
+# Hysteresis and friction are named by what they do: each rig has a law of its own.
+LEAVING = {
+    "thermal_drift": 4.0,
+    "asymmetric_hysteresis": 0.0,
+    "rate_dependent_hysteresis": 0.0,
+    "friction": 0.0,
+    "restoring_force_hysteresis": 0.0,
+}
 EXACT = 0.03  # of the gap: what a law leaves that happens to be the rig's own
 TINY = 1e-30  # m^2: keeps an error of zero from being infinitely good
 
@@ -80,6 +91,7 @@ class Weights:
     further: float = 1.0
     unknown: float = 6.0
     none: float = 3.4  # in favour of the model as it was given
+    leaving: float = 2.0  # as LEAVING, of an effect that is not there
     contradicts: float = 0.7  # against an effect whose signature should be there and is not
     unusual: float = 2.0  # against one of a size that goes by another name; not fitted to cases
 
@@ -152,6 +164,15 @@ def explained(effects: Explanation, trial: Trial, pool: Pool) -> Left:
     return Left(*(unrounded(error, pool.step) for error in rest))
 
 
+def _share(left: Left, facts: Facts, gap: Left) -> float:
+    """What is left of the gap, from 0 to 1; of one that is not there nothing."""
+    shares = [
+        min(1.0, removable(error, facts.floor) / whole) if whole > 0.0 else 0.0
+        for error, whole in zip(left, gap, strict=True)
+    ]
+    return evenly(shares[0], shares[1])
+
+
 def weigh(facts: Facts, weights: Weights = CALIBRATED) -> dict[Explanation, float]:
     """The probability of each explanation; they sum to one."""
     count = min(max(facts.independent, weights.least), weights.most)
@@ -174,7 +195,9 @@ def weigh(facts: Facts, weights: Weights = CALIBRATED) -> dict[Explanation, floa
     for effects, left in facts.tried.items():
         odds = weights.effect + (len(effects) - 1) * weights.further
         odds += weights.unusual * facts.unusual.get(effects, 0.0)
+        share = _share(left, facts, gap)
         for name in sorted(effects):
+            odds += share * LEAVING.get(name, weights.leaving)
             if facts.signs.get(name) is not None:
                 odds += -AGREES.get(name, 0.0) if facts.signs[name] else weights.contradicts
         logs[effects] = evidence(left) - odds

@@ -253,3 +253,15 @@ def pool_of(tried: Mapping[frozenset[str], Trial]) -> Pool:
 def trial(model: Model, error: float) -> Trial:
     white = np.random.default_rng(2).choice([-error * NM, error * NM], 400)
     return Trial(model, (), (), error * NM, (white,))
+
+
+def test_what_is_left_counts_most_against_a_drift_and_least_against_a_hysteresis() -> None:
+    """All else alike, even where a fifth of the gap is left."""
+    names = ("restoring_force_hysteresis", "creep", "thermal_drift")
+    left = {frozenset([name]): alike(25.0) for name in names}
+    weighed = weigh(Facts(alike(110.0), alike(100.0), 15.0 * NM, 500.0, left))
+    probable = [weighed[frozenset([name])] for name in names]
+    assert probable[0] > 1.2 * probable[1] > 1.4 * probable[2]
+    whole = {effects: alike(15.0) for effects in left}  # down to the floor nothing is left
+    weighed = weigh(Facts(alike(110.0), alike(100.0), 15.0 * NM, 500.0, whole))
+    assert weighed[frozenset(["creep"])] == pytest.approx(weighed[frozenset(["thermal_drift"])])
