@@ -164,13 +164,13 @@ def explained(effects: Explanation, trial: Trial, pool: Pool) -> Left:
     return Left(*(unrounded(error, pool.step) for error in rest))
 
 
-def _share(left: Left, facts: Facts, gap: Left) -> float:
+def _unclosed(left: Left, gap: Left, floor: float) -> float:
     """What is left of the gap, from 0 to 1; of one that is not there nothing."""
-    shares = [
-        min(1.0, removable(error, facts.floor) / whole) if whole > 0.0 else 0.0
+    shares = (
+        min(1.0, removable(error, floor) / whole) if whole > 0.0 else 0.0
         for error, whole in zip(left, gap, strict=True)
-    ]
-    return evenly(shares[0], shares[1])
+    )
+    return Left(*shares).both
 
 
 def weigh(facts: Facts, weights: Weights = CALIBRATED) -> dict[Explanation, float]:
@@ -195,9 +195,9 @@ def weigh(facts: Facts, weights: Weights = CALIBRATED) -> dict[Explanation, floa
     for effects, left in facts.tried.items():
         odds = weights.effect + (len(effects) - 1) * weights.further
         odds += weights.unusual * facts.unusual.get(effects, 0.0)
-        share = _share(left, facts, gap)
+        unclosed = _unclosed(left, gap, facts.floor)
         for name in sorted(effects):
-            odds += share * LEAVING.get(name, weights.leaving)
+            odds += unclosed * LEAVING.get(name, weights.leaving)
             if facts.signs.get(name) is not None:
                 odds += -AGREES.get(name, 0.0) if facts.signs[name] else weights.contradicts
         logs[effects] = evidence(left) - odds

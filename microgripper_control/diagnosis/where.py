@@ -210,10 +210,8 @@ def _bends(residuals: Sequence[Residual], noise: float) -> list[_Found]:
         onset = find_onset(residuals, pick, noise)
         if onset is None:
             continue
-        values = np.concatenate([pick(residual)[residual.counted] for residual in residuals])
-        errors = np.concatenate([residual.error[residual.counted] for residual in residuals])
+        values, power = _powers(pick, residuals, noise)
         inside = (values >= onset.low) & (values <= onset.high)
-        power = errors**2 - noise**2
         share = float(np.clip(np.sum(power[inside]) / np.sum(power), 0.0, 1.0))
         # A bend is the sharper of two signs: what it explains counts, not where the power went.
         place = Range(axis, onset.low, onset.high, share)

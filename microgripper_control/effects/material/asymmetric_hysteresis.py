@@ -55,11 +55,11 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
             s = kept * s + (1.0 - kept if u > old else kept - 1.0)
             if c[5] != 0.0:
                 way = u - old
-                crossing = 0.0  # of h, as a share of the way
                 if before * way < 0.0:
-                    crossing = 1.0 if h * way <= 0.0 else before / (before - h)
-                z = written(z, c[5], old, crossing * way, back)
-                z = written(z, c[5], old + crossing * way, (1.0 - crossing) * way, ahead)
+                    to_zero = way if h * way <= 0.0 else way * before / (before - h)
+                    z = written(z, c[5], old, to_zero, back)
+                    way -= to_zero
+                z = written(z, c[5], u - way, way, ahead)
             old, before = u, h
         bus[FREE, j] -= (((c[2] * u + c[1]) * u + c[0]) * u + c[3] * s) * s + z
     state[0], state[1], state[2], state[3] = s, z, old, before
@@ -116,10 +116,10 @@ def apart(values: Values, scales: Scales) -> Array:
     levels[VOLTAGE] = low
     link = prepare(values, Timing(1.0, (1.0,), True), levels)
     bus = np.zeros((ROWS, 2 * LOOP))
+    bus[VOLTAGE] = np.append(rise[1:], rise[-2::-1])
+    bus[HYSTERESIS] = np.append(sign, -sign)
     for _ in range(CLOSED):
         bus[FREE] = 0.0
-        bus[VOLTAGE] = np.append(rise[1:], rise[-2::-1])
-        bus[HYSTERESIS] = np.append(sign, -sign)
         kernel(link.coefficients, link.state, bus)
     u = np.linspace(low, high, 50)
     rising = np.interp(u, rise[1:], bus[FREE, :LOOP])

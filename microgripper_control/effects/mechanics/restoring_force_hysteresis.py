@@ -51,8 +51,9 @@ def law(
 def coefficients(values: Values) -> Sequence[float]:
     alpha, distributed = values["alpha"], values["distributed"]
     bouc_wen = (alpha * (1.0 - distributed), values["beta"], values["gamma"], values["n"])
-    shares = [((i + 0.5) / ELEMENTS) ** values["spread"] for i in range(ELEMENTS)]
-    limits = [values["widest"] * share for share in shares]
+    limits = (
+        values["widest"] * ((i + 0.5) / ELEMENTS) ** values["spread"] for i in range(ELEMENTS)
+    )
     return (*bouc_wen, alpha * distributed / ELEMENTS, *limits)
 
 
