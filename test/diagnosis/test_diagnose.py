@@ -118,7 +118,7 @@ def test_what_only_the_held_out_recordings_reach_is_named(
     paper: Model, mistuned: Callable[[Model], Model]
 ) -> None:
     """Loops too slow for the amplifier's limit are fitted, fast ones judge."""
-    rig = paper.with_link("slew_limit", rise=1.0 / 1000.0, fall=1.0 / 1000.0)
+    rig = paper.with_link("slew_limit", time=1.0 / 1000.0)
     time = PERIOD * np.arange(12_000)
 
     def loops(frequency: float, seed: int) -> Recording:

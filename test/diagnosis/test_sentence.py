@@ -30,10 +30,10 @@ CLAUSES = [
     ("amplifier_lag", {"lag": 2.5e-3, "curvature": 0.25}, ["2.5 ms", "second order"]),
     (
         "slew_limit",
-        {"rise": 4e-5, "fall": 5e-5},
+        {"time": 4.5e-5, "asymmetry": -0.5 / 4.5},
         ["rises by 25000 V/s at most", "falls by 20000 V/s"],
     ),
-    ("slew_limit", {"rise": 4e-3, "fall": 0.0}, ["voltage rises by 250 V/s at most"]),
+    ("slew_limit", {"time": 2e-3, "asymmetry": 1.0}, ["voltage rises by 250 V/s at most"]),
     (
         "saturation",
         {"low": -1e4, "high": 148.0, "low_softness": 0.5, "high_softness": 0.5},

@@ -1,10 +1,12 @@
 """Bounded rate of the drive voltage: the amplifier's current limit into the stack's capacitance.
 
     u_s' follows u as fast as it may,        -1 / fall <= u_s' <= 1 / rise
+    rise = time (1 + asymmetry),             fall = time (1 - asymmetry)
 
-Parameters are times per volt, C / i_max, so that the effect vanishes at zero. The link stands
-behind the saturation, so that no charge is owed for a command beyond the range, and before the lag
-of the output.
+A time per volt is C / i_max: the effect vanishes at zero. Recordings that are fast one way only say
+nothing about the other; the same limit is then assumed both ways. The link stands behind the
+saturation, so that no charge is owed for a command beyond the range, and before the lag of the
+output.
 
 Behind held or straight input the voltage at the end of a step is exact, a change of pace inside it
 included. What leaves is taken as straight in between; boundaries ever farther from a jump keep the
@@ -28,11 +30,17 @@ PIECES = 12  # until they are as far apart as this part of a sample period
 SHARES = (6.0, 3.0, 1.7, 0.95, 0.8, 0.65, 0.5, 0.3, 0.1, 0.03)  # of the fastest change: guesses
 
 
+def _both_ways(values: Values) -> tuple[float, float]:
+    """Shortest times per volt, s/V, upwards and downwards; 0 where nothing limits."""
+    time, asymmetry = values["time"], values["asymmetry"]
+    return time * (1.0 + asymmetry), time * (1.0 - asymmetry)
+
+
 def breaks(values: Values, sample_period: float) -> set[float]:
     """Where jumps of various sizes have been worked off."""
     found = set()
-    for way in ("rise", "fall"):
-        small, large = (volts * values[way] / sample_period for volts in JUMPS)
+    for way in _both_ways(values):
+        small, large = (volts * way / sample_period for volts in JUMPS)
         while 0.0 < small < min(1.0, large):
             found.add(small)
             small += min((GROWTH - 1.0) * small, 1.0 / PIECES)
@@ -68,7 +76,7 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
 def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     """The levels are left alone: at rest the output has arrived."""
     rows = [
-        [step / values[way] if values[way] > 0.0 else math.inf for way in ("rise", "fall")]
+        [step / way if way > 0.0 else math.inf for way in _both_ways(values)]
         + [float(not timing.ramped)]
         for step in timing.steps
     ]
@@ -81,17 +89,14 @@ def starts(scales: Scales) -> Sequence[Values]:
     A held voltage changes at once, and a limit above what the samples show still rounds its jumps.
     """
     times = [1.0 / (share * scales.rate) for share in SHARES]
-    both = [{"rise": time, "fall": time} for time in times]
-    return [
-        *both,
-        *({"rise": 0.0, "fall": t} for t in times),
-        *({"rise": t, "fall": 0.0} for t in times),
-    ]
+    both_ways = [{"time": time} for time in times]
+    one_way = [{"time": 0.5 * t, "asymmetry": way} for way in (-1.0, 1.0) for t in times]
+    return [*both_ways, *one_way]
 
 
 def says(values: Values, scales: Scales) -> str:
-    ways = {"rises": values["rise"], "falls": values["fall"]}
-    limits = [f"{way} by {number(1.0 / t)} V/s at most" for way, t in ways.items() if t > 0.0]
+    ways = zip(("rises", "falls"), _both_ways(values), strict=True)
+    limits = [f"{way} by {number(1.0 / t)} V/s at most" for way, t in ways if t > 0.0]
     return f"the amplifier is short of current: the voltage {' and '.join(limits)}"
 
 
@@ -102,8 +107,8 @@ LINK = Link(
     title="slew limit of the amplifier",
     source="i = C du/dt at the current limit; Fleming and Leang 2014, chapter 14",
     parameters=(
-        Parameter("rise", "s/V", 4e-5, 0.0, 1.0, "shortest time per volt upwards", 0.0),
-        Parameter("fall", "s/V", 4e-5, 0.0, 1.0, "shortest time per volt downwards", 0.0),
+        Parameter("time", "s/V", 4e-5, 0.0, 1.0, "shortest time per volt, mean of both ways", 0.0),
+        Parameter("asymmetry", "1", 0.0, -1.0, 1.0, "1: only rises are limited, -1: only falls"),
     ),
     prepare=prepare,
     kernel=kernel,

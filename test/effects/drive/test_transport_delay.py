@@ -48,7 +48,7 @@ def test_a_straight_signal_is_read_off_between_its_corners(alone: Alone) -> None
 
 @pytest.mark.parametrize(
     ("link", "values"),
-    [("amplifier_lag", {"lag": 3e-5}), ("slew_limit", {"rise": 1e-6, "fall": 1e-6})],
+    [("amplifier_lag", {"lag": 3e-5}), ("slew_limit", {"time": 1e-6})],
 )
 def test_a_jump_late_in_the_sample_meets_later_links_there(
     slow: Model,
