@@ -171,6 +171,14 @@ def test_it_tells_how_far_the_branches_of_a_loop_are_apart(paper: Model, reach: 
     assert f"{100.0 * share:.2g} % of the stroke" in found.says(values, scales)
 
 
+def test_what_grows_from_round_to_round_is_not_told() -> None:
+    """A fit once ended there: at such a reach z overflows in loops of 150 V."""
+    values = VALUES | {"reach": 3.0, "delta": -1.5e-20, "lean": -1.5}
+    scales = Scales(1e-3, 10.0, (0.0, 150.0), 150.0, (0.0, STROKE), 5e7, 0.0038)
+    np.testing.assert_array_equal(apart(values, scales), apart(values | {"delta": 0.0}, scales))
+    assert np.all(np.isfinite(apart(values, scales)))
+
+
 def test_a_bent_line_does_not_pass_for_a_loop() -> None:
     """With a reach far beyond the swing s is the voltage: a polynomial without any hysteresis."""
     scales = Scales(1e-3, 10.0, (0.0, 100.0), 100.0, (0.0, STROKE), 5e7, 0.0038)
