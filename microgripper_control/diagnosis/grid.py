@@ -15,7 +15,8 @@ BINS = 1 << 16  # of the range of all readings
 SHARP = 0.5  # how far a comb's density follows its step, noise of a quarter of a step and less,
 ALONE = 0.3  # and how far, of that, it may follow any other
 BOWED = 0.15  # of a step, rms: what a real converter's grid is off an even one
-A_STEP, OFTEN = 1.2, 4.0  # values, if they are no more than a grid has; how often each is read
+A_STEP, OFTEN = 1.2, 4.0  # values, if they are no more than a grid has; how often each is read,
+AGAIN = 2.0  # and how often it is come back to: a reading that is merely late is not
 TOO_CLOSE = 0.8  # of what rounding leaves: readings that follow a model closer are on no such grid
 
 
@@ -61,11 +62,14 @@ def common_step(readings: Sequence[Array]) -> float:
 
 
 def resolution(displacement: Array) -> float:
-    """The step of the grid that all readings lie on or near, m; 0 if they do on none."""
+    """The step of the grid that all readings lie on or near, m; 0 if they do on none.
+
+    Of a converter whose steps are not all alike, the usual one.
+    """
     values = np.unique(displacement)
     if len(values) < FEWEST:
         return 0.0
-    return _exact_step(values) or _comb_step(displacement)
+    return _exact_step(values) or _comb_step(displacement) or _usual_step(displacement, values)
 
 
 def _exact_step(values: Array) -> float:
@@ -100,3 +104,11 @@ def _comb_step(displacement: Array) -> float:
     turns = np.outer(near, np.arange(BINS) / BINS)
     finer = near[np.argmax(np.abs(np.exp(2j * np.pi * turns) @ density))]
     return float(np.ptp(displacement) / finer)
+
+
+def _usual_step(displacement: Array, values: Array) -> float:
+    """The step between levels, sorted, that readings come back to: steps of a few sizes."""
+    visits = 1 + np.count_nonzero(np.diff(displacement))
+    if len(displacement) < OFTEN * len(values) or visits < AGAIN * len(values):
+        return 0.0
+    return float(np.median(np.diff(values)))

@@ -49,6 +49,18 @@ def test_readings_on_no_grid(readings: Array) -> None:
     assert resolution(readings) == 0.0
 
 
+def test_readings_on_steps_that_are_not_alike() -> None:
+    bow = 0.1 / np.ptp(loops())  # steps of 0.83 to 1 times the usual one
+    bent = rounded(loops() + bow * loops() ** 2)
+    assert resolution((np.sqrt(1.0 + 4.0 * bow * bent) - 1.0) / (2.0 * bow)) == pytest.approx(
+        0.91 * STEP, rel=0.1
+    )
+
+
+def test_readings_that_are_late_are_on_no_grid() -> None:
+    assert resolution(np.repeat(loops()[::8], 8)) == 0.0
+
+
 def test_a_few_readings_tell_nothing() -> None:
     assert resolution(np.array([0.0, 1e-7, 2e-7, 0.0])) == 0.0
 
