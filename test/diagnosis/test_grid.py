@@ -49,6 +49,17 @@ def test_readings_on_no_grid(readings: Array) -> None:
     assert resolution(readings) == 0.0
 
 
+def test_a_weak_grid_that_recordings_share() -> None:
+    noise = 0.18 * STEP * np.random.default_rng(7).standard_normal((2, len(TIME)))
+    recordings = [rounded(loops()) + noise[0], rounded(0.4 * loops()) + 1.3e-8 + noise[1]]
+    assert common_step(recordings) == pytest.approx(STEP, rel=1e-2)
+
+
+@pytest.mark.parametrize("places", [(5, 7), (12, 15), (40, 41)])
+def test_staircases_that_share_no_grid(places: tuple[int, int]) -> None:
+    assert common_step([staircase(one) for one in places]) == 0.0
+
+
 def test_readings_on_steps_that_are_not_alike() -> None:
     bow = 0.1 / np.ptp(loops())  # steps of 0.83 to 1 times the usual one
     bent = rounded(loops() + bow * loops() ** 2)
