@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from microgripper_control.core.quantities import quantity
 from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.fitting import Base, begun, extend, fit_on, half_way
 from microgripper_control.diagnosis.grid import refuted
-from microgripper_control.diagnosis.part import GLANCE, is_dear, on_a_part, refined
+from microgripper_control.diagnosis.part import GLANCE, MANY, is_dear, on_a_part, refined
 from microgripper_control.diagnosis.screening import Guess, guesses, kind
 from microgripper_control.diagnosis.trial import Trial, judged, moved, unfitted
 from microgripper_control.effects.registry import registry
@@ -23,6 +24,7 @@ from microgripper_control.effects.registry import registry
 STARTS, MOST_STARTS = 2, 4  # best first guesses that are fitted,
 ENOUGH = 60_000  # samples times guesses: few samples take many
 STEPS = 12  # of a fit from a first guess, at most
+FAR_OFF = 2.0  # times what is hopeless: a first fit that leaves more is not gone on with
 FALLEN_SHORT = 1.2  # times what a guess had promised: a fit that leaves more has gone astray
 DEAR_STEPS = 8  # where each sample is dear: first with the base's derivatives kept, then all fresh
 CARRIED = 2  # fits of a part of the samples that are tried on all of them
@@ -32,29 +34,32 @@ ROUNDS, FALLING = 5, 0.8  # of a misled fit, as long as each leaves so much of w
 ROUGH = 1e-3  # tolerance
 
 
+class Scrutiny(NamedTuple):
+    """How far an effect is worth being fitted."""
+
+    samples: int  # on which a dear one is fitted first
+    starts: int = MOST_STARTS
+    hopeless: float = math.inf  # m: what leaves more is fitted no further
+    known: float = 0.0  # m, what the best of the others leaves
+
+
 def attempt(
-    evidence: Evidence,
-    bases: Sequence[Base],
-    name: str,
-    most: int,
-    hopeless: float,
-    known: float = 0.0,
+    evidence: Evidence, bases: Sequence[Base], name: str, scrutiny: Scrutiny
 ) -> tuple[str, Trial | None, str]:
     """Add one effect to the bases: its name, the best fit, and why there is none.
 
-    A dear one is fitted on `most` samples, and no further if it leaves `hopeless`, m, of them. If
-    it leaves less of them than `known`, m, what the best of the others leaves, and then more of
-    all, it is worth a longer fit.
+    A dear one that leaves less of a part of the samples than the best of the others, and then more
+    of all, is worth a longer fit.
     """
     try:
         with np.errstate(all="ignore"):  # a hopeless guess may overflow: it is then no start
-            return name, *_attempt(evidence, bases, name, most, hopeless, known)
+            return name, *_attempt(evidence, bases, name, scrutiny)
     except (ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
         return name, None, f"could not be fitted: {error}"
 
 
 def _attempt(
-    evidence: Evidence, bases: Sequence[Base], name: str, most: int, hopeless: float, known: float
+    evidence: Evidence, bases: Sequence[Base], name: str, scrutiny: Scrutiny
 ) -> tuple[Trial | None, str]:
     link = registry()[name]
     if not link.starts(evidence.scales):
@@ -64,19 +69,21 @@ def _attempt(
         if refuted(step, error, [recording.measured for recording in evidence.fitted]):
             return None, f"readings on steps of {quantity(step, 'm')} could not follow so closely"
         return behind(evidence, bases[0].trial, name), ""
-    part, anchors = on_a_part(evidence, bases, name, most)
+    part, anchors = on_a_part(evidence, bases, name, scrutiny.samples)
     samples = sum(int(np.count_nonzero(used)) for used in part.used)
-    starts = guesses(part, anchors, name, min(MOST_STARTS, max(STARTS, ENOUGH // samples)))
-    fits = [_fit_from(part, start, name) for start in starts]
+    starts = guesses(part, anchors, name, min(scrutiny.starts, max(STARTS, ENOUGH // samples)))
+    fits = [_fit_from(part, start, name, FAR_OFF * scrutiny.hopeless) for start in starts]
     found = [fit for fit in fits if fit is not None and np.isfinite(fit.fitted_rmse)]
     if not found:
         return None, "no start could be fitted"
     alone = not anchors[0].trial.effects
-    if alone and any(is_dear(part, fit.model) for fit in found):
+    near = min(fit.fitted_rmse for fit in found) < FAR_OFF * scrutiny.hopeless
+    if alone and near and any(is_dear(part, fit.model) for fit in found):
         found += [fit_on(part, fit, ROUGH, DEAR_STEPS) for fit in best_of_each_kind(found, name)]
     if part is evidence:
         return min((judged(evidence, fit) for fit in found), key=lambda trial: trial.both), ""
-    whole = _carried(evidence, found, name, hopeless, known if alone else 0.0)
+    known = scrutiny.known if alone else 0.0
+    whole = _carried(evidence, found, name, scrutiny.hopeless, known)
     if whole is None:
         return None, "diverges where it was not fitted"
     return judged(evidence, whole), ""
@@ -96,12 +103,17 @@ def _carried(
     whole = fit_on(evidence, whole, ROUGH, SETTLING_IN, fresh=())
     if least >= known or whole.fitted_rmse <= MISLED * least:
         return whole
-    others = [moved(evidence, fit) for fit in best_of_each_kind(found, name)]
-    return _least([whole, *(_while_it_falls(evidence, fit) for fit in others)])
+    more = evidence.pieces(MANY)
+    others = [moved(more, fit) for fit in best_of_each_kind(found, name)]
+    further = _least([_while_it_falls(more, fit) for fit in others])
+    if further is not None and more is not evidence:
+        further = unfitted(evidence, moved(evidence, further))
+        further = fit_on(evidence, further, ROUGH, SETTLING_IN, fresh=())
+    return _least([whole, *([further] if further else [])])
 
 
 def _while_it_falls(evidence: Evidence, trial: Trial) -> Trial:
-    """Fit on all samples what a part has misled, in rounds.
+    """Fit what a part has misled on more samples, in rounds.
 
     Stretches do not show a force what it remembers from before them: where its memory is long, the
     way back from what they made of it is long as well.
@@ -126,14 +138,14 @@ def best_of_each_kind(found: Sequence[Trial], name: str) -> list[Trial]:
     return list({kind(fit.model, name): fit for fit in best}.values())
 
 
-def _fit_from(evidence: Evidence, guess: Guess, name: str) -> Trial | None:
+def _fit_from(evidence: Evidence, guess: Guess, name: str, too_far: float) -> Trial | None:
     """Fit from a first guess: with few derivatives fresh, then, where no sample is dear, with all.
 
     All at once from the guess would often lead astray, few of them alone far too little. Where less
     comes of it than the guess had promised, the base's parameters go first.
     """
     fit = extend(evidence, guess.base, guess.model, [name])
-    if is_dear(evidence, guess.model):
+    if is_dear(evidence, guess.model) or (fit is not None and fit.fitted_rmse > too_far):
         return fit
     fit = fit_on(evidence, fit or begun(guess.base, guess.model, [name]), ROUGH, STEPS)
     promised = math.sqrt(max(guess.left, 0.0) / len(guess.base.residual))

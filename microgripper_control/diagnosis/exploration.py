@@ -17,6 +17,7 @@ from microgripper_control.diagnosis.part import (
     is_dear,
     is_dear_with,
     is_force,
+    is_light_with,
     may_join,
     refined,
 )
@@ -52,9 +53,9 @@ def explore(
     far = replace(nominal, free=refit.free)  # from where it is, but no parameter stays there
     bases = [base_of(evidence, trial) for trial in (refit, *others, far)]
     # From cheap to dear: a look is enough at what costs more and has nothing left to explain.
-    cheap = [name for name in names if not is_force(name)]
     dear = [name for name in names if is_dear_with(evidence, refit, name)]
-    for some in (cheap, [name for name in names if name not in (*cheap, *dear)], dear):
+    light = [n for n in names if not is_force(n) and is_light_with(evidence, refit, n)]
+    for some in (light, [name for name in names if name not in (*light, *dear)], dear):
         play(evidence, bases, some, len(some), pool, progress, jobs)
     pool = again_if_settled(pool, jobs)
     fitted = [name for name in names if not is_read_off(name)]

@@ -74,6 +74,12 @@ def refined(evidence: Evidence, trial: Trial, tolerance: float, evaluations: int
     return judged_once(evidence, trial)
 
 
+def is_light_with(evidence: Evidence, trial: Trial, effect: str) -> bool:
+    """Whether a trial's model with one more effect takes few rows of coefficients a sample."""
+    model = _with(evidence, trial, effect)
+    return model is None or _labour(evidence, model) <= MANY_ROWS
+
+
 def is_force(effect: str) -> bool:
     """Whether an effect is a force, which is balanced within each sample."""
     return registry()[effect].force is not None
@@ -111,7 +117,10 @@ def _with(evidence: Evidence, trial: Trial, effect: str) -> Model | None:
 
 def _labour_of_forces(evidence: Evidence, model: Model) -> int:
     """Rows of coefficients a sample of a model with forces takes; 0 without any."""
-    if not any(is_force(name) for name in model.effects):
-        return 0
+    return _labour(evidence, model) if any(map(is_force, model.effects)) else 0
+
+
+def _labour(evidence: Evidence, model: Model) -> int:
+    """Rows of coefficients a sample of a model takes."""
     ramped = evidence.conditions.hold is not Hold.ZERO
     return Chain(model, evidence.scales.sample_period, np.zeros(ROWS), ramped=ramped).labour

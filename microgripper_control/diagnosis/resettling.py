@@ -5,9 +5,7 @@ The first periods have chosen where the fits go on from.
 
 from __future__ import annotations
 
-import numpy as np
-
-from microgripper_control.diagnosis.attempt import ROUGH, STEPS, attempt, polish
+from microgripper_control.diagnosis.attempt import ROUGH, STEPS, Scrutiny, attempt, polish
 from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.fitting import Base, base_of, refine
 from microgripper_control.diagnosis.part import PART, POLISHED, is_dear, refined
@@ -65,5 +63,5 @@ def _as_it_was(evidence: Evidence, trial: Trial) -> Trial:
 
 def _afresh(evidence: Evidence, base: Base, name: str) -> list[Trial]:
     """The best fit of an effect from first guesses, as it is and fitted on to the end."""
-    found = attempt(evidence, [base], name, PART, np.inf)[1]
+    found = attempt(evidence, [base], name, Scrutiny(PART))[1]
     return [] if found is None else [found, refined(evidence, found, POLISHED, 60)]

@@ -9,7 +9,14 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from microgripper_control.diagnosis.attempt import attempt, polish, promise
+from microgripper_control.diagnosis.attempt import (
+    MOST_STARTS,
+    STARTS,
+    Scrutiny,
+    attempt,
+    polish,
+    promise,
+)
 from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.fitting import Base
 from microgripper_control.diagnosis.part import GLANCE, PART, is_dear
@@ -45,14 +52,15 @@ def play(
         names = _promising(evidence, bases, names, pool, jobs)[:most]
     before = bases[0].trial
     # What leaves nothing to explain cannot lose to another effect: a look at each is enough.
-    wanting = before is pool.refit and pool.unexplained
-    shown, near = (PART, NEAR) if wanting else (GLANCE, NEAR_IF_JOINED)
+    alone = before is pool.refit
+    wanting = alone and pool.unexplained
+    near = NEAR if wanting else NEAR_IF_JOINED
     known = min((trial.fitted_rmse for trial in pool.tried.values()), default=np.inf)
-    hopeless = np.inf if wanting else near * known
-    tasks = [
-        (evidence, bases, name, shown, hopeless, known)
-        for name in _long_first(names, evidence.scales)
-    ]
+    scrutiny = Scrutiny(PART, known=known)
+    if not wanting:
+        starts = STARTS if alone else MOST_STARTS
+        scrutiny = Scrutiny(GLANCE, starts, near * known, known)
+    tasks = [(evidence, bases, name, scrutiny) for name in _long_first(names, evidence.scales)]
     found = []
     progress("", 0, len(tasks))
     for done, (name, trial, why) in enumerate(side_by_side(attempt, tasks, jobs), start=1):

@@ -152,6 +152,8 @@ class Projection:
     @classmethod
     def off(cls, shapes: Array) -> Projection:
         """The projection off courses of shape (p, n)."""
+        if len(shapes) == 1:  # most often the zero alone
+            return cls(shapes.T / np.linalg.norm(shapes))
         basis: Array = np.linalg.qr(shapes.T)[0]
         return cls(basis)
 

@@ -2,7 +2,7 @@
 
     w_a = w - (tilt u + bulge u^2 + twist u^3 + skew s) s - z
     s' = (sgn u' - s) |u'| / reach
-    z' = (delta u - (1 + lean sgn(u' h)) z / reach) |u'|
+    (h + z)' = feed u' - beta |u'| (h + z) - gamma u' |h + z| + delta u |u'|
 
 s is the direction in which the voltage goes, +-1, as the material remembers it: after a turn it
 changes over within a travel of `reach`. Its weight follows the voltage, so the branches part by
@@ -11,9 +11,8 @@ one way in its lower and the other way in its upper part; `skew` moves both bran
 far from a turn. Only the way counts, not the speed. A weight without u is left out: that is a loop
 as h is one.
 
-z keeps what was written at a voltage until it is forgotten as h is: it is what Zhu and Wang's term
-delta u |u'| in h' adds to h, as long as that does not change the sign of h, with 1 / reach for beta
-and `lean` for gamma / beta. Put beside h instead of into h' it leaves the closed form of h alone.
+z is what Zhu and Wang's term delta u |u'| in h' adds to h, if beta and gamma are those of h. What
+feeds h, alpha d, is read off its own course.
 """
 
 import math
@@ -21,55 +20,93 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from microgripper_control.core.compiled import compiled
+from microgripper_control.core.compiled import compiled, inlined
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import percent
 from microgripper_control.core.signals import FREE, HYSTERESIS, ROWS, VOLTAGE, Array, Timing
 from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
+from microgripper_control.effects.material import bouc_wen
 from microgripper_control.effects.material.bouc_wen import filled
 
+MOST_STEPS, CLOSE = 30, 1e-9  # to where h + z passes zero, and of the way how close it is found
+TELLING = 1e-6  # V: a way that is shorter shows rounding more than what feeds h
 LOOP = 400  # samples of the largest loop, each way,
 CLOSED = 20  # times round until its end is its beginning,
 SETTLED = 1e-3  # of z: what it may still change by in the last
+LOOP_REACH = 65.0  # V, over which the paper's h forgets
+FEED = 0.08  # of the displacement: what feeds the paper's h
+
+
+@inlined
+def fed(g: float, level: float, slope: float, xi: float, c: float) -> float:
+    """g after xi, V, where dg/dxi = level + slope xi - c g."""
+    grown = filled(c, xi)
+    small = abs(c * xi) < 0.02
+    rest = xi * xi * (0.5 - c * xi / 6.0) if small else (xi - grown) / c
+    return g * (1.0 - c * grown) + level * grown + slope * rest
 
 
 @compiled
-def written(z: float, delta: float, u: float, way: float, c: float) -> float:
-    """z after the voltage moved on from u by `way`, V, where dz/d|u| = delta u - c z."""
-    xi, sign = abs(way), 1.0 if way > 0.0 else -1.0
-    share = filled(c, xi)
-    small = abs(c * xi) < 0.02
-    rest = xi * xi * (0.5 - c * xi / 6.0) if small else (xi - share) / c
-    return z * (1.0 - c * share) + delta * (u * share + sign * rest)
+def _passing_once(
+    g: float, level: float, slope: float, xi: float, ahead: float, back: float
+) -> float:
+    positive = g > 0.0 or (g == 0.0 and level + slope * xi > 0.0)
+    c = ahead if positive else back
+    new = fed(g, level, slope, xi, c)
+    if g == 0.0 or new * g >= 0.0:
+        return new
+    low, high, passed = 0.0, xi, xi * g / (g - new)
+    for _ in range(MOST_STEPS):  # Newton's within a bracket
+        at = fed(g, level, slope, passed, c)
+        low, high = (passed, high) if at * g > 0.0 else (low, passed)
+        speed = level + slope * passed - c * at
+        step = at / speed if speed != 0.0 else xi
+        if abs(step) < CLOSE * xi:
+            break
+        passed = passed - step if low < passed - step < high else 0.5 * (low + high)
+    return fed(0.0, level + slope * passed, slope, xi - passed, back if positive else ahead)
+
+
+@compiled
+def carried(g: float, level: float, slope: float, xi: float, ahead: float, back: float) -> float:
+    """The same with `ahead` for c where g > 0 and `back` where g < 0."""
+    if level * (level + slope * xi) < 0.0:  # before and after that it passes zero once each
+        first = -level / slope
+        g = _passing_once(g, level, slope, first, ahead, back)
+        return _passing_once(g, 0.0, slope, xi - first, ahead, back)
+    return _passing_once(g, level, slope, xi, ahead, back)
 
 
 @compiled
 def kernel(coefficients: Array, state: Array, bus: Array) -> None:
-    """State: s, z, the voltage and h so far. A row: as `prepare` has it."""
+    """State: s, z, the voltage and h so far, and what feeds h. A row: as `prepare` has it."""
     c = coefficients[0]
-    s, z, old, before = state[0], state[1], state[2], state[3]
-    ahead, back = (1.0 + c[6]) / c[4], (1.0 - c[6]) / c[4]
+    s, z, old, before, feed = state[0], state[1], state[2], state[3], state[4]
+    ahead, back = c[6] + c[7], c[6] - c[7]
     for j in range(bus.shape[1]):
         u, h = bus[VOLTAGE, j], bus[HYSTERESIS, j]
         if u != old:
-            kept = math.exp(-abs(u - old) / c[4])
-            s = kept * s + (1.0 - kept if u > old else kept - 1.0)
+            xi, sign = abs(u - old), 1.0 if u > old else -1.0
+            kept = math.exp(-xi / c[4])
+            s = kept * s + sign * (1.0 - kept)
             if c[5] != 0.0:
-                way = u - old
-                if before * way < 0.0:
-                    to_zero = way if h * way <= 0.0 else way * before / (before - h)
-                    z = written(z, c[5], old, to_zero, back)
-                    way -= to_zero
-                z = written(z, c[5], u - way, way, ahead)
+                if before * h >= 0.0 and xi > TELLING:  # elsewhere it is what it was
+                    decay = ahead if (before + h) * sign > 0.0 else back
+                    grown = filled(decay, xi)
+                    feed = sign * (h - before) / grown + sign * decay * before
+                own = carried(sign * before, feed, 0.0, xi, ahead, back)
+                g, level = sign * (before + z), feed + sign * c[5] * old
+                z = sign * (carried(g, level, c[5], xi, ahead, back) - own)
             old, before = u, h
         bus[FREE, j] -= (((c[2] * u + c[1]) * u + c[0]) * u + c[3] * s) * s + z
-    state[0], state[1], state[2], state[3] = s, z, old, before
+    state[0], state[1], state[2], state[3], state[4] = s, z, old, before, feed
 
 
 def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     """The levels are left alone: a material at rest remembers no direction."""
-    row = [values[name] for name in ("tilt", "bulge", "twist", "skew", "reach", "delta", "lean")]
-    state = np.array([0.0, 0.0, levels[VOLTAGE], levels[HYSTERESIS]])
+    names = ("tilt", "bulge", "twist", "skew", "reach", "delta", "beta", "gamma")
+    row = [values[name] for name in names]
+    state = np.array([0.0, 0.0, levels[VOLTAGE], levels[HYSTERESIS], 0.0])
     return Prepared(np.array([row]), state, timing.ramped)
 
 
@@ -83,8 +120,7 @@ def starts(scales: Scales) -> Sequence[Values]:
         for share in (0.08, 0.2)
         for name, way in ways.items()
     ]
-    reach = 0.4 * scales.swing
-    return [*beside, off | {"delta": size / (u * reach), "reach": reach}]
+    return [*beside, off | {"delta": size / (u * LOOP_REACH)}]
 
 
 def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
@@ -107,30 +143,31 @@ def says(values: Values, scales: Scales) -> str:
 def apart(values: Values, scales: Scales) -> Array:
     """How much further than the paper's the branches of the largest loop are apart, m, (50,).
 
-    At voltages evenly over it. h is taken to change its sign as s does. Where `reach` is short and
-    `lean` feeds z, it grows from round to round: there is no largest loop then, and z is left out.
+    At voltages evenly over it, with an h like the paper's. Where a loop grows from round to round
+    or beyond all bounds, z is left out.
     """
     low, high = scales.voltage
     rise = np.linspace(low, high, LOOP + 1)
-    way = np.arange(1, LOOP + 1) * (high - low) / LOOP / values["reach"]
-    sign = 1.0 - (1.0 + math.tanh(0.5 * way[-1])) * np.exp(-way)
     levels = np.zeros(ROWS)
     levels[VOLTAGE] = low
-    link = prepare(values, Timing(1.0, (1.0,), True), levels)
-    bus = np.zeros((ROWS, 2 * LOOP))
-    bus[VOLTAGE] = np.append(rise[1:], rise[-2::-1])
-    bus[HYSTERESIS] = np.append(sign, -sign)
+    loop = np.zeros((ROWS, 2 * LOOP))
+    loop[VOLTAGE] = np.append(rise[1:], rise[-2::-1])
+    feed = FEED * scales.stroke / scales.swing
+    material = np.array([[0.0, feed, values["beta"], values["gamma"], 1.0]])
+    h, link = levels[[VOLTAGE, HYSTERESIS]], prepare(values, Timing(1.0, (1.0,), True), levels)
     before = z = 0.0
     for _ in range(CLOSED):
         before = z
-        bus[FREE] = 0.0
-        kernel(link.coefficients, link.state, bus)
+        bouc_wen.kernel(material, h, loop)
+        loop[FREE] = 0.0
+        kernel(link.coefficients, link.state, loop)
         z = float(link.state[1])
-    if not abs(z - before) <= SETTLED * abs(before):  # nor if it has overflowed
+    settled = abs(z - before) <= SETTLED * abs(before)
+    if not (settled and np.max(np.abs(loop[FREE])) < scales.stroke):  # nor if it has overflowed
         return apart({**values, "delta": 0.0}, scales)
     u = np.linspace(low, high, 50)
-    rising = np.interp(u, rise[1:], bus[FREE, :LOOP])
-    falling = np.interp(u, rise[:-1], bus[FREE, : LOOP - 1 : -1])
+    rising = np.interp(u, rise[1:], loop[FREE, :LOOP])
+    falling = np.interp(u, rise[:-1], loop[FREE, : LOOP - 1 : -1])
     return np.asarray(falling - rising)
 
 
@@ -147,7 +184,8 @@ LINK = Link(
         Parameter("skew", "m", 1e-7, -1e-2, 1e-2, "of both branches, far from a turn", 0.0),
         Parameter("reach", "V", 15.0, 1e-3, 1e4, "travel over which a turn is forgotten"),
         Parameter("delta", "m/V^2", 1e-12, -1e-3, 1e-3, "written into the loop, with voltage", 0.0),
-        Parameter("lean", "1", -1.5, -10.0, 10.0, "gamma over beta of the loop", fitted=False),
+        Parameter("beta", "1/V", 0.0152, 0.0, 1e3, "decay of the loop with travel, both ways"),
+        Parameter("gamma", "1/V", -0.0227, -1e3, 1e3, "decay of the loop by direction"),
     ),
     prepare=prepare,
     kernel=kernel,

@@ -23,7 +23,8 @@ VALUES = {
     "skew": 1e-7,
     "reach": 12.0,
     "delta": 0.0,
-    "lean": -1.5,
+    "beta": 0.0152,
+    "gamma": -0.0227,
 }
 STROKE = 20e-6  # m
 
@@ -88,22 +89,34 @@ def loops(kind: str, u: Array, share: float = 0.3) -> Array:
     return np.array(w)
 
 
-def test_a_little_of_zhu_and_wang_s_term_is_delta(paper: Model) -> None:
-    """To the first order in delta, through turns and changes of sign of h."""
+@pytest.mark.parametrize("share", [1e-3, 0.5, -1.2])
+def test_zhu_and_wang_s_term_is_delta(paper: Model, share: float) -> None:
+    """However strong, through turns and changes of sign of h, also where the sum's sign differs."""
     t = np.arange(600) / 100.0
     u = 80.0 * (1.0 - np.cos(2.0 * np.pi * t)) * (0.3 + 0.7 * t / t[-1])
-    expected = loops("zhu and wang", u, 1e-3) - loops("zhu and wang", u, 0.0)
+    expected = loops("zhu and wang", u, share) - loops("zhu and wang", u, 0.0)
     alone = {"tilt": 0.0, "bulge": 0.0, "twist": 0.0, "skew": 0.0}
-    alone |= {"reach": 1.0 / 0.0152, "lean": -0.0227 / 0.0152}
-    rig = paper.with_link(LINK, **alone, delta=1e-3 * 0.0801 * 1.4447e-7 / 80.0)
+    rig = paper.with_link(LINK, **alone, delta=share * 0.0801 * 1.4447e-7 / 80.0)
     x, plain = (simulate(model, np.append(u, u[-1]), 1e-2)[1:] for model in (rig, paper))
     found = (x - plain) * (5e7 + 8.2e5) / 5e7
-    np.testing.assert_allclose(found, expected, rtol=0.0, atol=5e-3 * np.ptp(expected))
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=2e-3 * np.ptp(expected))
+
+
+def test_jumps_are_many_small_steps(paper: Model) -> None:
+    """Jumps across zeros of h and of h + z, and rests between them, in which nothing is new."""
+    levels = np.random.default_rng(4).uniform(0.0, 160.0, 30)
+    alone = {"tilt": 0.0, "bulge": 0.0, "twist": 0.0, "skew": 0.0}
+    rig = paper.with_link(LINK, **alone, delta=-8e-11)
+    steps = 500
+    way = np.interp(np.arange(29 * steps + 1) / steps, np.arange(30.0), levels)
+    x = simulate(rig, np.repeat(levels, 3), 1e-2, initial=Initial.FIRST_SAMPLE)[3::3]
+    slow = simulate(rig, way, 1e-2, initial=Initial.FIRST_SAMPLE)[1::steps]
+    np.testing.assert_allclose(x, slow[: len(x)], rtol=0.0, atol=1e-10)
 
 
 @pytest.mark.parametrize(
     ("kind", "left"),
-    [("zhu and wang", 0.05), ("alpha by direction", 0.45), ("beta by direction", 0.2)],
+    [("zhu and wang", 0.01), ("alpha by direction", 0.2), ("beta by direction", 0.3)],
 )
 def test_other_people_s_asymmetry_is_taken_up(paper: Model, kind: str, left: float) -> None:
     """After a refit with the link less than `left` of what the paper's h cannot follow remains."""
@@ -141,14 +154,25 @@ def test_other_people_s_asymmetry_is_taken_up(paper: Model, kind: str, left: flo
 def test_planted_values_are_found(
     paper: Model, lively: Array, recover: Callable[..., tuple[Array, Array]]
 ) -> None:
-    planted = {name: VALUES[name] for name in VALUES if name != "lean"} | {"delta": 2e-11}
+    planted = {n: VALUES[n] for n in ("tilt", "bulge", "twist", "skew", "reach")}
     truth = np.array(list(planted.values()))
     rig = paper.with_link(LINK, **planted)
-    start = {"tilt": 1e-9, "bulge": -1e-11, "twist": 1e-13, "skew": 5e-8, "reach": 20.0}
-    start |= {"delta": 1e-11}
+    start = {"tilt": 1e-9, "bulge": -1e-11, "twist": 1e-13, "skew": 8e-8, "reach": 14.0}
     found, errors = recover(rig, LINK, start, lively, 1e-3)
     assert np.all(np.abs(found - truth) < 4.0 * errors)
     assert np.all(errors < 0.2 * np.abs(truth))
+
+
+def test_a_planted_loop_is_found(
+    paper: Model, lively: Array, recover: Callable[..., tuple[Array, Array]]
+) -> None:
+    planted = {"delta": -4e-11, "beta": 0.0152, "gamma": -0.0227}
+    rig = paper.with_link(LINK, tilt=0.0, bulge=0.0, twist=0.0, skew=0.0, **planted)
+    start = {"delta": -2e-11, "beta": 0.014, "gamma": -0.021}
+    found, errors = recover(rig, LINK, start, lively, 1e-3)
+    truth = np.array(list(planted.values()))
+    assert np.all(np.abs(found - truth) < 4.0 * errors)
+    assert np.all(errors < 0.05 * np.abs(truth))
 
 
 @pytest.mark.parametrize("reach", [12.0, 80.0, 300.0])
@@ -172,8 +196,8 @@ def test_it_tells_how_far_the_branches_of_a_loop_are_apart(paper: Model, reach: 
 
 
 def test_what_grows_from_round_to_round_is_not_told() -> None:
-    """A fit once ended there: at such a reach z overflows in loops of 150 V."""
-    values = VALUES | {"reach": 3.0, "delta": -1.5e-20, "lean": -1.5}
+    """A fit once ended there: with such a memory z overflows in loops of 150 V."""
+    values = VALUES | {"delta": -1.5e-13, "beta": 0.3, "gamma": -0.5}
     scales = Scales(1e-3, 10.0, (0.0, 150.0), 150.0, (0.0, STROKE), 5e7, 0.0038)
     np.testing.assert_array_equal(apart(values, scales), apart(values | {"delta": 0.0}, scales))
     assert np.all(np.isfinite(apart(values, scales)))
@@ -183,5 +207,6 @@ def test_a_bent_line_does_not_pass_for_a_loop() -> None:
     """With a reach far beyond the swing s is the voltage: a polynomial without any hysteresis."""
     scales = Scales(1e-3, 10.0, (0.0, 100.0), 100.0, (0.0, STROKE), 5e7, 0.0038)
     least, most = link_named(LINK).plausible(scales)["reach"]
-    assert all(least < start["reach"] < most for start in link_named(LINK).starts(scales))
+    starts = [start for start in link_named(LINK).starts(scales) if "reach" in start]
+    assert all(least < start["reach"] < most for start in starts)
     assert 1.0 - np.exp(-100.0 / most) > 0.8  # of a turn is forgotten within the swing
