@@ -27,7 +27,7 @@ STEPS = 12  # of a fit from a first guess, at most
 FAR_OFF = 2.0  # times what is hopeless: a first fit that leaves more is not gone on with
 FALLEN_SHORT = 1.2  # times what a guess had promised: a fit that leaves more has gone astray
 DEAR_STEPS = 8  # where each sample is dear: first with the base's derivatives kept, then all fresh
-CARRIED = 2  # fits of a part of the samples that are tried on all of them
+CARRIED = 2  # fits of a part of the samples that are tried on all; of an effect that joins, one
 SETTLING_IN = 5  # steps with the same derivatives, from a part of the samples to all of them
 MISLED = 1.5  # times what is left of a part: where all samples leave more, it has misled the fit
 ROUNDS, FALLING = 5, 0.8  # of a misled fit, as long as each leaves so much of what was left
@@ -82,6 +82,8 @@ def _attempt(
         found += [fit_on(part, fit, ROUGH, DEAR_STEPS) for fit in best_of_each_kind(found, name)]
     if part is evidence:
         return min((judged(evidence, fit) for fit in found), key=lambda trial: trial.both), ""
+    if not alone:
+        found = [min(found, key=lambda trial: trial.fitted_rmse)]
     known = scrutiny.known if alone else 0.0
     whole = _carried(evidence, found, name, scrutiny.hopeless, known)
     if whole is None:

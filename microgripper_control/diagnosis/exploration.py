@@ -28,7 +28,8 @@ from microgripper_control.diagnosis.trial import Trial
 
 MOST_EFFECTS = 3
 BEAM = 2  # explanations that a further effect is added to
-SECONDS, SECONDS_IF_DEAR = 5, 3  # further effects that are fitted, the most promising
+SECONDS, SECONDS_IF_DEAR = 7, 3  # second effects that are fitted, the most promising,
+THIRDS = 3  # and third ones
 UNCLOSED_IF_DEAR = 0.25  # of the gap: what asks for an effect beside a dear force, a minute's work
 FAIR_PART = 0.2  # of the gap; two independent effects of one size close 0.3 of it each
 RIVAL = 0.7  # of what the best closes: what the second must close to be a leader as well,
@@ -99,7 +100,8 @@ def _may_lead(leader: Trial, pool: Pool, size: int) -> bool:
 def _join(leader: Trial, names: Sequence[str], pool: Pool, progress: Progress, jobs: int) -> None:
     """Add each of some effects to a leader that was fitted to the end."""
     evidence = pool.evidence
-    most = SECONDS_IF_DEAR if is_dear(evidence, leader.model) else SECONDS
+    third = len(frozenset(leader.effects) - pool.own) > 1
+    most = SECONDS_IF_DEAR if is_dear(evidence, leader.model) else THIRDS if third else SECONDS
     leader = refined(evidence, leader, POLISHED, 60)
     pool.add(leader)
     rest = [
