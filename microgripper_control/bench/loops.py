@@ -18,6 +18,7 @@ from microgripper_control.demo.processes import POLL, Node, Nodes
 
 OURS, BARE = ("controller", "timed_plant"), ("bare_echo", "bare_clock")
 SETTLING = 1.0  # s after the first answer that does not count: both have just begun
+DISCOVERY = 4.0  # s until the first answer, at most: on a busy machine it was seen to take 2.6
 STARTING = 60.0  # s
 READY = "ready"  # what a node logs when it is
 
@@ -63,7 +64,7 @@ def run_loop(
     check_ros()
     out = folder / "round_trips.json"
     answering, sending = pair
-    length = duration + 3.0 * SETTLING
+    length = duration + DISCOVERY + 3.0 * SETTLING
     with Nodes(folder / "log") as nodes:
         own: dict[str, Any] = {"sample_rate": rate} if pair is OURS else {}
         _await_ready(nodes.start(answering, **own, **settings))

@@ -61,7 +61,7 @@ def test_what_is_touched_all_the_time_is_no_contact() -> None:
 @pytest.mark.parametrize(
     ("leader", "effect", "seconds", "too_dear"),
     [
-        ("friction", "slew_limit", 40.0, True),
+        ("friction", "slew_limit", 120.0, True),
         ("friction", "slew_limit", 5.0, False),
         ("amplifier_lag", "sensor_lag", 900.0, False),  # cheap, however long
         ("creep", "mains_hum", 900.0, False),
