@@ -116,7 +116,7 @@ def test_jumps_are_many_small_steps(paper: Model) -> None:
 
 @pytest.mark.parametrize(
     ("kind", "left"),
-    [("zhu and wang", 0.01), ("alpha by direction", 0.2), ("beta by direction", 0.3)],
+    [("zhu and wang", 0.01), ("alpha by direction", 0.2), ("beta by direction", 0.2)],
 )
 def test_other_people_s_asymmetry_is_taken_up(paper: Model, kind: str, left: float) -> None:
     """After a refit with the link less than `left` of what the paper's h cannot follow remains."""
@@ -157,7 +157,7 @@ def test_planted_values_are_found(
     planted = {n: VALUES[n] for n in ("tilt", "bulge", "twist", "skew", "reach")}
     truth = np.array(list(planted.values()))
     rig = paper.with_link(LINK, **planted)
-    start = {"tilt": 1e-9, "bulge": -1e-11, "twist": 1e-13, "skew": 8e-8, "reach": 14.0}
+    start = {"tilt": 1e-9, "bulge": -1e-11, "twist": 1e-13, "skew": 5e-8, "reach": 20.0}
     found, errors = recover(rig, LINK, start, lively, 1e-3)
     assert np.all(np.abs(found - truth) < 4.0 * errors)
     assert np.all(errors < 0.2 * np.abs(truth))
