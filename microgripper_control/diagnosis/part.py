@@ -12,8 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from microgripper_control.core.signals import ROWS
-from microgripper_control.diagnosis.evidence import Evidence
+from microgripper_control.diagnosis.evidence import Evidence, rms
 from microgripper_control.diagnosis.fitting import Base, base_of, fit_on, refine
+from microgripper_control.diagnosis.noise import innovation, removable
 from microgripper_control.diagnosis.trial import Trial, judged_once, moved
 from microgripper_control.effects.registry import registry
 from microgripper_control.plant.chain import Chain
@@ -31,6 +32,7 @@ class Effort(NamedTuple):
 
 PART = 15_000  # samples that are fitted then
 WORTHWHILE = 2.0  # times that many, at least, or all are fitted
+HIDDEN = 0.3  # of the gap: a part that shows less of it is no part to look at
 GLANCE = 6000  # samples on which it is seen what a force promises
 MANY = 40_000  # samples
 MOST_ROWS = 2e7  # of coefficients in a simulation with forces: what makes it longer does not join
@@ -46,14 +48,23 @@ def on_a_part(
     """What to try an effect on and the bases there: with a dear force, about `most` samples.
 
     For a glance that goes for any force. Less than twice as many are left whole: a stretch forgets
-    what was before it, and its fit may lead astray.
+    what was before it, and its fit may lead astray. So are all where the stretches, each with a
+    zero and a beginning of its own, show too little of the gap.
     """
     less = is_dear_with(evidence, bases[0].trial, name) or (most <= GLANCE and is_force(name))
     less = less and sum(len(recording) for recording in evidence.fitted) > WORTHWHILE * most
     part = evidence.pieces(most) if less else evidence
     if part is evidence:
         return evidence, bases
-    return part, [base_of(part, moved(part, base.trial)) for base in bases]
+    anchors = [base_of(part, moved(part, base.trial)) for base in bases]
+    return (evidence, bases) if _hides(anchors[0], bases[0]) else (part, anchors)
+
+
+def _hides(part: Base, whole: Base) -> bool:
+    """Whether a part of the samples shows little of what all show."""
+    floor = innovation([whole.residual])
+    seen, there = (removable(rms([base.residual]), floor) for base in (part, whole))
+    return seen < HIDDEN * there
 
 
 def refined(evidence: Evidence, trial: Trial, tolerance: float, evaluations: int) -> Trial:

@@ -22,7 +22,7 @@ from microgripper_control.recordings.clock import Samples, on_uniform_clock
 from microgripper_control.recordings.layout import Layout, LayoutError, Place
 from microgripper_control.recordings.mapping import Mapping, Source
 from microgripper_control.recordings.storage import Integers, Topic
-from microgripper_control.recordings.values import topic_values
+from microgripper_control.recordings.values import values_by_block
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 FLOAT64 = "std_msgs/msg/Float64"
@@ -160,17 +160,34 @@ def _series(bag: Bag, *choices: Choice) -> Series:
         stamp = [layout.places.get(f"header.stamp.{part}") for part in ("sec", "nanosec")]
         return [*stamp, *(choice.place(layout) for choice in choices)]
 
-    topic = choices[0].topic
-    received, table = topic_values(bag, topic, pick)
-    if not len(received):
+    topic, scales = choices[0].topic, np.array([choice.scale for choice in choices])
+    received, stamps, values = [np.empty(0, np.int64)], [np.empty(0, np.int64)], []
+    # By the block all of it stays in the processor's cache, which a long bag's table would not.
+    for times, table in values_by_block(bag, topic, pick):
+        seconds, nanoseconds = np.nan_to_num(table[:, :2]).T.astype(np.int64)  # NaN: no stamps
+        received.append(times)
+        stamps.append(seconds * 10**9 + nanoseconds)
+        values.append(table[:, 2:] * scales)
+    if not values:
         if not choices[0].needed:
-            return Series(received, None, np.empty((0, len(choices))))
+            return Series(received[0], None, np.empty((0, len(choices))))
         raise MicrogripperError(f"{bag.path}: topic {topic} holds no messages")
-    values = table[:, 2:] * np.array([choice.scale for choice in choices])
-    if not any(np.any(part > 0.0) or np.any(part < 0.0) for part in table[:, :2].T):  # or NaN
-        return Series(received, None, values)
-    seconds, nanoseconds = table[:, :2].astype(np.int64).T
-    return Series(received, seconds * 10**9 + nanoseconds, values)
+    stamped = any(map(np.any, stamps))
+    return _in_order_of_receipt(
+        Series(
+            np.concatenate(received),
+            np.concatenate(stamps) if stamped else None,
+            np.concatenate(values),
+        )
+    )
+
+
+def _in_order_of_receipt(series: Series) -> Series:
+    received, stamps, values = series
+    if np.all(received[1:] >= received[:-1]):
+        return series
+    order = np.argsort(received, kind="stable")
+    return Series(received[order], None if stamps is None else stamps[order], values[order])
 
 
 def _one_topic(

@@ -7,7 +7,7 @@ operations; a message that differs is worked out by itself.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 from rosbags.interfaces.typing import Typesdict
@@ -22,31 +22,20 @@ from microgripper_control.recordings.storage import Block, Integers, Topic
 Pick = Callable[[Layout], Sequence[Place | None]]
 
 
-def topic_values(bag: Bag, topic: Topic, pick: Pick) -> tuple[Integers, Array]:
+def values_by_block(bag: Bag, topic: Topic, pick: Pick) -> Iterator[tuple[Integers, Array]]:
     """The times of receipt, ns, and the numbers that `pick` wants of every message of a topic.
 
-    Shapes (messages,) and (messages, numbers), in order of receipt; (0,) and (0, 0) of a topic
-    without messages. MicrogripperError, with the index of the message, where one is damaged or
-    lacks a number.
+    Block by block, near the order of receipt, in shapes (messages,) and (messages, numbers).
+    MicrogripperError, with the index of the message, where one is damaged or lacks a number.
     """
-    received: list[Integers] = []
-    values: list[Array] = []
-    count = 0
+    before = 0
     try:
         types = types_of(topic)
         for block in bag.blocks([topic]):
-            received.append(block.received)
-            values.append(block_values(block, types, pick, count))
-            count += len(block)
+            yield block.received, block_values(block, types, pick, before)
+            before += len(block)
     except LayoutError as error:
         raise MicrogripperError(f"{bag.path}: topic {topic} {error}") from None
-    if not count:
-        return np.empty(0, np.int64), np.empty((0, 0))
-    times, numbers = np.concatenate(received), np.concatenate(values)
-    if np.all(times[1:] >= times[:-1]):
-        return times, numbers
-    order = np.argsort(times, kind="stable")
-    return times[order], numbers[order]
 
 
 def block_values(block: Block, types: Typesdict, pick: Pick, before: int) -> Array:

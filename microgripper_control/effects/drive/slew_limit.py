@@ -27,7 +27,7 @@ from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Val
 JUMPS = (0.5, 256.0)  # V: of what sizes the end of the ramp is drawn well at any slew rate
 GROWTH = 2.0**0.5  # from boundary to boundary after a jump,
 PIECES = 12  # until they are as far apart as this part of a sample period
-SHARES = (6.0, 3.0, 1.7, 0.95, 0.8, 0.65, 0.5, 0.3, 0.1, 0.03)  # of the fastest change: guesses
+SHARES = (6.0, 3.0, 1.7, 0.95, 0.8, 0.65, 0.5, 0.4, 0.3, 0.22, 0.16, 0.12, 0.09, 0.05, 0.03)
 
 
 def _both_ways(values: Values) -> tuple[float, float]:

@@ -4,16 +4,24 @@
                f' = stiffness x' (1 - recovery r)          on the way back, r < 0,
     r = sgn(x') f / g,    g = coulomb (1 + excess / (1 + (x'/v_s)^2))
 
+or, with `distributed` at 1,
+
+    f = sum_i k_i s_i,    s_i follows x, but never leaves -w_i .. w_i.
+
 At bend 0 and recovery 1 this is Dahl's bristle. `bend` keeps it stiff until shortly before it
 slips, and a small `recovery` lets it come back along its own stiffness, as the elasto-plastic
 bristle of Dupont does; the breakaway force is Stribeck's as in LuGre, and with an excess below zero
 it grips the more the faster it slides, as grease does. At excess 0 it depends on the path alone, in
 closed form; with excess, g is taken at the mean speed of a step. LuGre's viscous term is not
 repeated: the mechanics' b is one.
+
+Distributed it is a Maxwell slip: asperities that slip at distances of their own, so that it
+remembers each turn of the way (`effects.slipping_springs`). The distances are such that all slip at
+`coulomb`.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from microgripper_control.core.compiled import compiled
 from microgripper_control.core.parameters import Parameter
@@ -21,6 +29,7 @@ from microgripper_control.core.quantities import quantity
 from microgripper_control.core.signals import Array
 from microgripper_control.effects.base import Force, Link, Scales, Stage, Values
 from microgripper_control.effects.memory_of_the_way import unusually_long
+from microgripper_control.effects.slipping_springs import SPRINGS, pull, springs
 
 SLIGHT = 0.1  # so far e^-x is taken as (12 - 6 x + x^2) / (12 + 6 x + x^2)
 
@@ -51,6 +60,8 @@ def law(
     c: Array, before: Array, after: Array, x0: float, x1: float, v: float, step: float
 ) -> float:
     way = x1 - x0
+    if c[6] > 0.0:
+        return -pull(c, 7, before, after, 1, way)
     f: float = before[0]
     if way != 0.0:
         run, scale = way * way, (step * c[3]) * (step * c[3])
@@ -66,7 +77,15 @@ def law(
 
 def coefficients(values: Values) -> Sequence[float]:
     names = ("coulomb", "stiffness", "excess", "stribeck_speed", "bend", "recovery")
-    return [values[name] for name in names]
+    limits, shares = springs(widest(values), values["decades"], values["taper"])
+    bristle_or_springs = [*(values[name] for name in names), values["distributed"]]
+    return [*bristle_or_springs, *limits, *(values["stiffness"] * shares)]
+
+
+def widest(values: Values) -> float:
+    """The distance, m, at which the last spring slips."""
+    limits, shares = springs(1.0, values["decades"], values["taper"])
+    return values["coulomb"] / (values["stiffness"] * float(limits @ shares))
 
 
 def stiffness(values: Values) -> float:
@@ -81,16 +100,27 @@ def starts(scales: Scales) -> Sequence[Values]:
             "coulomb": force,
             "stiffness": force / (share * scales.stroke),
             "excess": 0.0,
-            "bend": bend,
-            "recovery": recovery,
+            **shape,
         }
         for share in (0.003, 0.02, 0.15)
-        for bend, recovery in ((0.0, 1.0), (2.0, 0.1))
+        for shape in (
+            {"bend": 0.0, "recovery": 1.0},
+            {"bend": 2.0, "recovery": 0.1},
+            {"distributed": 1.0},
+        )
     ]
+
+
+def idle(values: Values) -> Collection[str]:
+    """Of the part that is not there."""
+    bristle, slipping = ("bend", "recovery", "excess"), ("decades", "taper")
+    return bristle if values["distributed"] else slipping
 
 
 def presliding(values: Values) -> float:
     """The way, m, for which it holds after a reversal."""
+    if values["distributed"]:
+        return widest(values)
     return values["coulomb"] * (1.0 + values["excess"]) / values["stiffness"]
 
 
@@ -117,19 +147,26 @@ LINK = Link(
     stage=Stage.MECHANICS,
     order=30,
     title="friction in guide or joint",
-    source="Dahl 1968; Canudas de Wit et al. 1995 (LuGre); Dupont et al. 2002 (elasto-plastic)",
-    force=Force(law, coefficients, stiffness, states=1),
+    source=(
+        "Dahl 1968; Canudas de Wit et al. 1995 (LuGre); Dupont et al. 2002 (elasto-plastic); "
+        "Lampaert, Al-Bender and Swevers 2003 (Maxwell slip)"
+    ),
+    force=Force(law, coefficients, stiffness, states=1 + SPRINGS),
     parameters=(
         Parameter("coulomb", "N", 10.0, 0.0, 1e6, "friction force when sliding", 0.0),
         Parameter("stiffness", "N/m", 2e7, 1.0, 1e13, "of what sticks, before it slides"),
         Parameter("bend", "1", 0.0, 0.0, 10.0, "how long it stays stiff before it slips"),
         Parameter("recovery", "1", 1.0, 0.0, 2.0, "of a slipped bristle on the way back"),
+        Parameter("distributed", "1", 0.0, 0.0, 1.0, "1: slips bit by bit", fitted=False),
+        Parameter("decades", "1", 0.5, 0.0, 3.0, "over which the distances are spread"),
+        Parameter("taper", "1", 0.0, -5.0, 3.0, "how much stiffer what slips early is"),
         Parameter("excess", "1", 0.2, -0.95, 5.0, "of breaking away over sliding, a share"),
         Parameter(
             "stribeck_speed", "m/s", 1e-4, 1e-9, 10.0, "over which the excess goes", fitted=False
         ),
     ),
     starts=starts,
+    idle=idle,
     plausible=plausible,
     unusual=unusual,
     says=says,

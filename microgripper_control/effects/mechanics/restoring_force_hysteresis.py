@@ -1,9 +1,7 @@
 """Hysteresis in the restoring force: Bouc-Wen driven by the displacement, and Iwan's slip joint.
 
-    F = -z - alpha distributed / N sum_i s_i,
-    z' = alpha (1 - distributed) x' - beta |x'| z |z|^(n-1) - gamma x' |z|^n,
-    s_i follows x, but never leaves -w_i .. w_i,
-    w_i = widest ((i - 1/2) / N)^spread,        i = 1 .. N
+    F = -z - alpha distributed sum_i k_i s_i / sum_i k_i,
+    z' = alpha (1 - distributed) x' - beta |x'| z |z|^(n-1) - gamma x' |z|^n
 
 The first part is of the same family as the material's (effects/material/bouc_wen.py) with the
 displacement in place of the voltage: a joint, a bond or a bearing whose force remembers the way and
@@ -11,9 +9,7 @@ is soon saturated. The public Bouc-Wen benchmark is this with alpha 5e4 N/m, bet
 -1100 /m, n 1, at distributed 0.
 
 The second part softens bit by bit until `widest`, as a bolted joint does whose parts slip one after
-the other: N springs that each slip at a distance of its own. At spread 1 the distances are even
-(Iwan), below 1 they are close to the widest, and above 1 most of them are short: their density goes
-with the distance to the power of 1 / spread - 1 (which Segalman finds between -1 and 0 in joints).
+the other: the springs of `effects.slipping_springs`.
 """
 
 import math
@@ -25,8 +21,8 @@ from microgripper_control.core.signals import Array
 from microgripper_control.effects.base import Force, Link, Scales, Stage, Values
 from microgripper_control.effects.material.bouc_wen import advance
 from microgripper_control.effects.memory_of_the_way import unusually_short
+from microgripper_control.effects.slipping_springs import SPRINGS, pull, springs
 
-ELEMENTS = 8  # N
 ELASTIC = 8.0  # |gamma| over beta: beyond it hardly anything is lost in a loop
 TINY = 1e-30
 
@@ -40,21 +36,14 @@ def law(
     force = -float(z)
     if c[4] == 0.0:
         return force
-    for i in range(1, 1 + ELEMENTS):
-        limit = c[4 + i]
-        s = min(max(before[i] + way, -limit), limit)
-        after[i] = s
-        force -= c[4] * s
-    return force
+    return force - pull(c, 5, before, after, 1, way)
 
 
 def coefficients(values: Values) -> Sequence[float]:
     alpha, distributed = values["alpha"], values["distributed"]
     bouc_wen = (alpha * (1.0 - distributed), values["beta"], values["gamma"], values["n"])
-    limits = (
-        values["widest"] * ((i + 0.5) / ELEMENTS) ** values["spread"] for i in range(ELEMENTS)
-    )
-    return (*bouc_wen, alpha * distributed / ELEMENTS, *limits)
+    limits, shares = springs(values["widest"], values["decades"], values["taper"])
+    return (*bouc_wen, distributed, *limits, *(alpha * distributed * shares))
 
 
 def stiffness(values: Values) -> float:
@@ -79,9 +68,9 @@ def starts(scales: Scales) -> Sequence[Values]:
             "alpha": strength * scales.stiffness,
             "distributed": 1.0,
             "widest": share * scales.stroke,
-            "spread": 0.7,
+            "taper": taper,
         }
-        for strength in (0.02, 0.15, 0.6)
+        for strength, taper in ((0.02, -1.5), (0.15, -1.5), (0.6, -1.5), (0.15, 0.5))
         for share in (0.3, 0.7)
     ]
     return [*saturating, *slipping]
@@ -89,7 +78,7 @@ def starts(scales: Scales) -> Sequence[Values]:
 
 def idle(values: Values) -> Collection[str]:
     """Of a part that has no share."""
-    without = {0.0: ("widest", "spread"), 1.0: ("beta", "gamma")}
+    without = {0.0: ("widest", "decades", "taper"), 1.0: ("beta", "gamma")}
     return without.get(values["distributed"], ())
 
 
@@ -143,7 +132,7 @@ LINK = Link(
         "Bouc 1967, Wen 1976; Noel and Schoukens 2016, doi 10.4121/12967592; Iwan 1966; "
         "Segalman 2005"
     ),
-    force=Force(law, coefficients, stiffness, states=1 + ELEMENTS),
+    force=Force(law, coefficients, stiffness, states=1 + SPRINGS),
     parameters=(
         Parameter("alpha", "N/m", 2e6, 0.0, 1e12, "stiffness after a reversal", 0.0),
         Parameter("beta", RATE_UNIT, 1e5, -1e12, 1e12, "decay of z with travel, both ways"),
@@ -153,9 +142,8 @@ LINK = Link(
             "distributed", "1", 0.0, 0.0, 1.0, "share of alpha that slips bit by bit", fitted=False
         ),
         Parameter("widest", "m", 1e-5, 1e-9, 1.0, "distance at which the last bit slips"),
-        Parameter(
-            "spread", "1", 1.0, 0.0, 5.0, "of shorter ones: 0 none, 1 evenly, more: most short"
-        ),
+        Parameter("decades", "1", 1.0, 0.0, 3.0, "over which the distances are spread"),
+        Parameter("taper", "1", -1.0, -5.0, 3.0, "how much stiffer what slips early is"),
     ),
     starts=starts,
     idle=idle,

@@ -8,6 +8,9 @@ import numpy as np
 import pytest
 
 from microgripper_control.core.signals import Array
+from microgripper_control.effects.mechanics.friction import law
+from microgripper_control.effects.registry import registry
+from microgripper_control.effects.slipping_springs import SPRINGS
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.simulate import Hold, simulate
 
@@ -128,6 +131,45 @@ def test_a_bent_bristle_comes_back_as_stiff_as_it_went(paper: Model) -> None:
     held = x[-200:] > x[-200] - 0.5 * COULOMB / stiffness
     gain = np.polyfit(w[-200:][held], x[-200:][held], 1)[0]
     assert gain == pytest.approx(s["k"] / (s["k"] + s["k_s"] + stiffness), rel=0.01)
+
+
+@pytest.mark.parametrize(("decades", "taper"), [(0.0, 0.0), (0.3, 2.0), (1.5, -1.0), (2.0, 0.5)])
+def test_slipping_bit_by_bit_it_ends_at_coulombs_force(
+    paper: Model, decades: float, taper: float
+) -> None:
+    """It begins at the whole stiffness and slides, when all has slipped, against `coulomb`."""
+    stiffness = 3e7
+    values = {"coulomb": COULOMB, "stiffness": stiffness, "distributed": 1.0}
+    values |= {"decades": decades, "taper": taper}
+    given = registry()[LINK].force
+    assert given is not None
+    c = np.array(given.coefficients(paper.with_link(LINK, **values).values(LINK)))
+    limits = c[7 : 7 + SPRINGS]
+    first, whole = limits.min(), limits.max()
+    before, after = np.zeros(1 + SPRINGS), np.zeros(1 + SPRINGS)
+    assert law(c, before, after, 0.0, 0.5 * first, 1.0, 1.0) == pytest.approx(
+        -0.5 * first * stiffness
+    )
+    assert law(c, before, after, 0.0, 1.01 * whole, 1.0, 1.0) == pytest.approx(-COULOMB)
+    assert law(c, after, after, 0.0, -2.01 * whole, -1.0, 1.0) == pytest.approx(COULOMB)
+
+
+def test_slipping_bit_by_bit_it_meets_an_integrator(
+    slow: Model, agreement: Callable[..., list[float]]
+) -> None:
+    k = slow.value("second_order", "k")
+    values = {"coulomb": 2e-7 * k, "stiffness": 0.4 * k, "distributed": 1.0}
+    values |= {"decades": 0.7, "taper": 0.0}
+    # Springs as stiff as each other that slide against `coulomb` together.
+    shares = np.geomspace(1.0, 10.0**-0.7, SPRINGS)
+    limits = values["coulomb"] * shares / np.sum(shares)
+
+    def force(x: float, v: float, own: Array) -> tuple[float, list[float]]:
+        slips = (np.abs(own) >= limits) & (own * v > 0.0)
+        rates = np.where(slips, 0.0, values["stiffness"] / SPRINGS * v)
+        return -float(np.sum(own)), rates.tolist()
+
+    assert max(agreement(slow, LINK, values, force, SPRINGS)) < 2e-3
 
 
 def test_planted_values_are_found(
