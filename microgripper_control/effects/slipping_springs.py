@@ -3,9 +3,9 @@
     force = sum_i k_i s_i,        s_i follows x, but never leaves -w_i .. w_i,        i = 0 .. N - 1
     w_i = widest 10^(-decades i / (N - 1)),        k_i = stiffness w_i^-taper / sum_j w_j^-taper
 
-The distances at which they slip are spread over some decades; at none all slip at once. By taper the
-short ones are the stiffer. Iwan's even distances (1966) are taper -1; Segalman (2005) finds between
--1 and 0 in bolted joints, and bearings have more: the short ones slip first and hold most.
+The distances at which they slip are spread over some decades; at none all slip at once. By taper
+the short ones are the stiffer. Iwan's even distances (1966) are taper -1; Segalman (2005) finds
+between -1 and 0 in bolted joints, and bearings have more: what slips first holds most.
 """
 
 from __future__ import annotations

@@ -68,7 +68,16 @@ CLAUSES = [
     ("backlash", {"play": 2.1e-7}, ["play", "210 nm"]),
     ("extra_resonance", {"frequency": 212.4, "damping": 0.021}, ["212 Hz", "ratio 0.021"]),
     ("sensor_lag", {"averaging": 2e-3, "time_constant": 0.0}, ["averages over 2.0 ms"]),
-    ("sensor_lag", {"averaging": 0.0, "time_constant": 2e-3}, ["time constant of 2.0 ms"]),
+    (
+        "sensor_lag",
+        {"averaging": 0.0, "time_constant": 2e-3},
+        ["time constant of 2.0 ms (first order)"],
+    ),
+    (
+        "sensor_lag",
+        {"averaging": 1e-3, "time_constant": 2e-3, "curvature": 0.5},
+        ["averages over 1.0 ms and has a time constant of 2.0 ms (second order)"],
+    ),
     ("sensor_quantization", {"resolution": 1e-6}, ["steps of 1.0 µm"]),
     ("thermal_drift", {}, ["drifts", "whatever the voltage does"]),
     ("mains_hum", {"frequency": 49.98}, ["50.0 Hz"]),
@@ -140,7 +149,7 @@ def test_effects_that_cannot_be_told_apart_are_given_as_either_or() -> None:
     group = ("amplifier_lag", "sensor_lag")
     said = sentence(EFFECTS, ["amplifier_lag"], GAP, PAPER, model, [rival], [], SCALES, [group])
     assert said.startswith("Either the amplifier lags: it follows a ramp of the voltage 2.0 ms")
-    assert "or the sensor lags: it has a time constant of 2.1 ms; these recordings do not" in said
+    assert "or the sensor lags: it has a time constant of 2.1 ms (first order); these rec" in said
     assert "Adding amplifier lag or sensor lag takes" in said
 
 

@@ -74,6 +74,23 @@ def test_equally_good_explanations_share_the_probability() -> None:
     assert weighed[CREEP] > 0.4
 
 
+def test_of_two_that_close_the_gap_the_one_that_leaves_noise_alone_is_believed() -> None:
+    """3 % over the noise is little of a gap of thirty times the noise, but not nothing."""
+    weighed = weigh(facts(900.0, 450.0, creep=15.0, lag=15.5))
+    assert weighed[CREEP] > 1.5 * weighed[LAG]
+
+
+def test_of_equally_good_explanations_the_one_with_fewer_parameters_is_believed() -> None:
+    equal = facts(300.0, 60.0, creep=15.5, lag=15.5)
+    weighed = weigh(replace(equal, beyond={CREEP: 2, LAG: -1}))
+    assert weighed[LAG] == pytest.approx(np.exp(0.45) * weighed[CREEP])
+
+
+def test_the_sign_of_a_lag_does_not_decide_between_lags() -> None:
+    late = [AGREES[name] for name in ("amplifier_lag", "transport_delay", "sensor_lag")]
+    assert np.ptp(late) < 0.2
+
+
 def test_samples_beyond_the_cap_add_no_certainty() -> None:
     few, many = (
         replace(facts(300.0, 60.0, creep=20.0, lag=22.0), independent=count) for count in (1e3, 1e6)

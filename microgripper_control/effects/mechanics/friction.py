@@ -4,7 +4,7 @@
                f' = stiffness x' (1 - recovery r)          on the way back, r < 0,
     r = sgn(x') f / g,    g = coulomb (1 + excess / (1 + (x'/v_s)^2))
 
-or, with `distributed` at 1,
+and, of the share that is `distributed`,
 
     f = sum_i k_i s_i,    s_i follows x, but never leaves -w_i .. w_i.
 
@@ -15,7 +15,7 @@ it grips the more the faster it slides, as grease does. At excess 0 it depends o
 closed form; with excess, g is taken at the mean speed of a step. LuGre's viscous term is not
 repeated: the mechanics' b is one.
 
-Distributed it is a Maxwell slip: asperities that slip at distances of their own, so that it
+That part is a Maxwell slip: asperities that slip at distances of their own, so that it
 remembers each turn of the way (`effects.slipping_springs`). The distances are such that all slip at
 `coulomb`.
 """
@@ -60,10 +60,9 @@ def law(
     c: Array, before: Array, after: Array, x0: float, x1: float, v: float, step: float
 ) -> float:
     way = x1 - x0
-    if c[6] > 0.0:
-        return -pull(c, 7, before, after, 1, way)
+    slipping = pull(c, 7, before, after, 1, way) if c[6] > 0.0 else 0.0
     f: float = before[0]
-    if way != 0.0:
+    if way != 0.0 and c[6] < 1.0:
         run, scale = way * way, (step * c[3]) * (step * c[3])
         level = c[0] * (run + (1.0 + c[2]) * scale) / (run + scale)
         if level > 0.0:
@@ -72,14 +71,19 @@ def law(
         else:
             f = 0.0
     after[0] = f
-    return -f
+    return -((1.0 - c[6]) * f + slipping)
 
 
 def coefficients(values: Values) -> Sequence[float]:
     names = ("coulomb", "stiffness", "excess", "stribeck_speed", "bend", "recovery")
     limits, shares = springs(widest(values), values["decades"], values["taper"])
-    bristle_or_springs = [*(values[name] for name in names), values["distributed"]]
-    return [*bristle_or_springs, *limits, *(values["stiffness"] * shares)]
+    share = values["distributed"]
+    return [
+        *(values[name] for name in names),
+        share,
+        *limits,
+        *(share * values["stiffness"] * shares),
+    ]
 
 
 def widest(values: Values) -> float:
@@ -113,15 +117,15 @@ def starts(scales: Scales) -> Sequence[Values]:
 
 def idle(values: Values) -> Collection[str]:
     """Of the part that is not there."""
-    bristle, slipping = ("bend", "recovery", "excess"), ("decades", "taper")
-    return bristle if values["distributed"] else slipping
+    without = {0.0: ("decades", "taper"), 1.0: ("bend", "recovery", "excess")}
+    return without.get(values["distributed"], ())
 
 
 def presliding(values: Values) -> float:
     """The way, m, for which it holds after a reversal."""
-    if values["distributed"]:
-        return widest(values)
-    return values["coulomb"] * (1.0 + values["excess"]) / values["stiffness"]
+    bristle = values["coulomb"] * (1.0 + values["excess"]) / values["stiffness"]
+    share = values["distributed"]
+    return (1.0 - share) * bristle + share * widest(values)
 
 
 def says(values: Values, scales: Scales) -> str:
@@ -157,7 +161,7 @@ LINK = Link(
         Parameter("stiffness", "N/m", 2e7, 1.0, 1e13, "of what sticks, before it slides"),
         Parameter("bend", "1", 0.0, 0.0, 10.0, "how long it stays stiff before it slips"),
         Parameter("recovery", "1", 1.0, 0.0, 2.0, "of a slipped bristle on the way back"),
-        Parameter("distributed", "1", 0.0, 0.0, 1.0, "1: slips bit by bit", fitted=False),
+        Parameter("distributed", "1", 0.0, 0.0, 1.0, "share that slips bit by bit", fitted=False),
         Parameter("decades", "1", 0.5, 0.0, 3.0, "over which the distances are spread"),
         Parameter("taper", "1", 0.0, -5.0, 3.0, "how much stiffer what slips early is"),
         Parameter("excess", "1", 0.2, -0.95, 5.0, "of breaking away over sliding, a share"),

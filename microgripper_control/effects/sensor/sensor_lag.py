@@ -1,24 +1,32 @@
-"""The sensor's lag: averaging over a time, then a filter of first order.
+"""The sensor's lag: averaging over a time, then a filter of first or second order.
 
-    m(t) = (1 / averaging) integral of x from t - averaging to t,        time_constant y' + y = m
+    m(t) = (1 / averaging) integral of x from t - averaging to t,
+    c t^2 y'' + t y' + y = m,   t = time_constant,   0 <= c <= 1
 
-Either may be absent. The average is that of the straight lines between the internal steps, exactly;
-the filter takes m as straight in the same way.
+Either may be absent. c, the curvature, tells the order as it does for the amplifier's lag: 0 is one
+lag; up to 1/4 it is two lags in a row that sum to t; at 1/2 the response is maximally flat, as
+filters before a converter often are; at 1 it peaks by 1.15.
+
+The average is that of the straight lines between the internal steps, exactly; the filter takes m as
+straight in the same way.
 """
 
-import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from microgripper_control.core.compiled import compiled
+from microgripper_control.core.lag import advance_lag, lag_rows
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import quantity
 from microgripper_control.core.signals import POSITION, Array, Timing
 from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
 
-HEAD = 5  # of the state, before the rings
+HEAD = 6  # of the state, before the rings
 SHOWN = 0.05  # of the longer time: a shorter one is not spoken of
+FIRST_ORDER = 0.02  # of the curvature: what is below counts as first order
+SHORTEST = 1e-100  # s: of a time constant below, no square could be divided by
 
 
 @compiled
@@ -29,11 +37,13 @@ def _back(at: int, places: int, size: int) -> int:
 
 @compiled
 def kernel(coefficients: Array, state: Array, bus: Array) -> None:
-    """State: y, m, the part of m from whole steps, their count, the newest place in two rings.
+    """State: y, y', m, the part of m from whole steps, their count, the newest place in two rings.
 
-    Then the rings: x at the ends of past steps, and what each step as a whole gives to m.
+    Then the rings: x at the ends of past steps, and what each step as a whole gives to m. The
+    coefficients are the filter's, then what `_window` gives, then half of what a step gives to m.
     """
-    y, m, area, inside, at = state[0], state[1], state[2], int(state[3]), int(state[4])
+    y, v, m = state[0], state[1], state[2]
+    area, inside, at = state[3], int(state[4]), int(state[5])
     steps = coefficients.shape[0]
     size = (state.shape[0] - HEAD) // 2
     x, areas = state[HEAD : HEAD + size], state[HEAD + size :]
@@ -43,21 +53,20 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
         row = row + 1 if row + 1 < steps else 0
         before, at = at, at + 1 if at + 1 < size else 0
         x[at] = bus[POSITION, j]
-        areas[at] = c[3] * (x[before] + x[at])
+        areas[at] = c[10] * (x[before] + x[at])
         area += areas[at]
         inside += 1
-        while inside > c[0]:
+        while inside > c[7]:
             inside -= 1
             area -= areas[_back(at, inside, size)]
         if inside == 0:
             area = 0.0  # and rounding starts afresh
         old = m
         oldest = _back(at, inside, size)
-        m = area + c[1] * x[oldest] + c[2] * x[_back(oldest, 1, size)]
-        behind = c[5] * (m - old)
-        y = m - behind + c[4] * (y - old + behind)
+        m = area + c[8] * x[oldest] + c[9] * x[_back(oldest, 1, size)]
+        y, v = advance_lag(c, y, v, old, m)
         bus[POSITION, j] = y
-    state[0], state[1], state[2], state[3], state[4] = y, m, area, inside, at
+    state[0], state[1], state[2], state[3], state[4], state[5] = y, v, m, area, inside, at
 
 
 def _window(averaging: float, timing: Timing, last: int) -> tuple[int, float, float]:
@@ -78,27 +87,38 @@ def _window(averaging: float, timing: Timing, last: int) -> tuple[int, float, fl
     return count, left * (1.0 - entered / 2.0) / averaging, left * entered / 2.0 / averaging
 
 
+def _filter(lag: float, curvature: float, timing: Timing) -> Array:
+    """Coefficients of `advance_lag` behind straight lines; zeros, without a filter, give y = m."""
+    if lag < SHORTEST:
+        return np.zeros((len(timing.steps), 7))
+    return lag_rows(lag, curvature * lag**2, replace(timing, ramped=True))
+
+
 def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     """The levels are left alone: the gain at rest is one."""
-    averaging, lag, level = values["averaging"], values["time_constant"], levels[POSITION]
+    averaging, level = values["averaging"], levels[POSITION]
     rows = []
     for index, step in enumerate(timing.steps):
-        window = _window(averaging, timing, index)
         half = step / (2.0 * averaging) if averaging > 0.0 else 0.0
-        decay = math.exp(-step / lag) if lag > 0.0 else 0.0
-        rows.append((*window, half, decay, lag / step))
+        rows.append((*_window(averaging, timing, index), half))
     size = max(row[0] for row in rows) + 2
     # As if x had rested at its level for ever: the rings end with the last step of a period.
     halves = np.array([row[3] for row in rows])
     areas = 2.0 * level * np.resize(halves[::-1], size)[::-1]
     inside = rows[-1][0]
-    head = (level, level, areas[size - inside :].sum(), inside, size - 1)
+    head = (level, 0.0, level, areas[size - inside :].sum(), inside, size - 1)
     state = np.concatenate([head, np.full(size, level), areas])
-    return Prepared(np.array(rows), state, timing.ramped)
+    behind = _filter(values["time_constant"], values["curvature"], timing)
+    return Prepared(np.hstack([behind, np.array(rows)]), state, timing.ramped)
+
+
+def idle(values: Values) -> Collection[str]:
+    """An average, or a filter of first order, stays one: the second is told from it by shape."""
+    return ("curvature",) if values["curvature"] == 0.0 else ()
 
 
 def starts(scales: Scales) -> Sequence[Values]:
-    """Averaging alone and the filter alone, over few and over many samples."""
+    """Averaging alone and a filter alone, of either order, over few and over many samples."""
     times = [samples * scales.sample_period for samples in (0.7, 2.0, 6.0, 20.0, 60.0)]
     return [
         values
@@ -106,17 +126,21 @@ def starts(scales: Scales) -> Sequence[Values]:
         for values in (
             {"averaging": time, "time_constant": 0.0},
             {"averaging": 0.0, "time_constant": time},
+            {"averaging": 0.0, "time_constant": time, "curvature": 0.5},
         )
     ]
 
 
 def says(values: Values, scales: Scales) -> str:
-    parts = {
-        "averages over": values["averaging"],
-        "has a time constant of": values["time_constant"],
-    }
-    longest = max(parts.values())
-    shown = [f"{how} {quantity(s, 's')}" for how, s in parts.items() if s > SHOWN * longest]
+    order = "first" if values["curvature"] < FIRST_ORDER else "second"
+    parts = (
+        ("averages over", values["averaging"], ""),
+        ("has a time constant of", values["time_constant"], f" ({order} order)"),
+    )
+    longest = max(time for _, time, _ in parts)
+    shown = [
+        f"{how} {quantity(time, 's')}{more}" for how, time, more in parts if time > SHOWN * longest
+    ]
     return f"the sensor lags: it {' and '.join(shown)}"
 
 
@@ -125,14 +149,16 @@ LINK = Link(
     stage=Stage.SENSOR,
     order=10,
     title="lag of the sensor",
-    source="definitions of a moving average and of a low-pass of first order",
+    source="definitions of a moving average and of low-passes; Butterworth 1930",
     parameters=(
         Parameter("averaging", "s", 1e-3, 0.0, 1.0, "time over which a reading is averaged", 0.0),
-        Parameter("time_constant", "s", 1e-3, 0.0, 1.0, "of the filter behind", 0.0),
+        Parameter("time_constant", "s", 1e-3, 0.0, 1.0, "of the filter behind: its lag", 0.0),
+        Parameter("curvature", "1", 0.0, 0.0, 1.0, "0 first order, 1/4 two equal lags, 1/2 flat"),
     ),
     prepare=prepare,
     kernel=kernel,
     follows=True,
+    idle=idle,
     starts=starts,
     says=says,
 )

@@ -18,7 +18,8 @@ SCALES = Scales(1e-3, 10.0, (0.0, 100.0), 100.0, (0.0, STROKE), 5e7, 0.0038)
 def friction(way: float) -> Values:
     """Friction that holds for a way, m."""
     stiffness = 1e7
-    return {"coulomb": stiffness * way, "stiffness": stiffness, "excess": 0.0, "distributed": 0.0}
+    springs = {"distributed": 0.0, "decades": 0.5, "taper": 0.0}
+    return {"coulomb": stiffness * way, "stiffness": stiffness, "excess": 0.0, **springs}
 
 
 def bouc_wen(way: float) -> Values:

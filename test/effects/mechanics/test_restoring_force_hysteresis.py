@@ -173,7 +173,7 @@ SLIPPING = {"alpha": 4e6, "distributed": 1.0, "widest": 8e-6}
 def test_bit_by_bit_it_softens_as_a_power_law_has_it(
     spread: float, wider: float, decades: float, taper: float, stiffer: float
 ) -> None:
-    """Distances W q^spread, q evenly from 0 to 1, as Iwan 1966 (spread 1) and Segalman 2005 have it.
+    """Distances W q^spread, q evenly from 0 to 1: Iwan 1966 (spread 1) and Segalman 2005.
 
     Their first loading is alpha int_0^1 min(x, W q^spread) dq; the springs' values are those that
     follow it best, by least squares over this curve.
