@@ -23,7 +23,9 @@ from microgripper_control.diagnosis.part import (
 )
 from microgripper_control.diagnosis.pool import Pool, is_read_off
 from microgripper_control.diagnosis.resettling import again_if_settled
+from microgripper_control.diagnosis.residuals import fitted_residuals
 from microgripper_control.diagnosis.rounds import Progress, play, silent
+from microgripper_control.diagnosis.signatures import signatures
 from microgripper_control.diagnosis.trial import Trial
 
 MOST_EFFECTS = 3
@@ -107,7 +109,14 @@ def _join(leader: Trial, names: Sequence[str], pool: Pool, progress: Progress, j
     rest = [
         name for name in names if name not in leader.effects and may_join(evidence, leader, name)
     ]
-    play(evidence, [base_of(evidence, leader)], rest, most, pool, progress, jobs)
+    shown = _shown_by(leader, pool)
+    play(evidence, [base_of(evidence, leader)], rest, most, pool, progress, jobs, shown)
+
+
+def _shown_by(leader: Trial, pool: Pool) -> list[str]:
+    """The effects of which what an explanation leaves where it was fitted shows a sign."""
+    left = fitted_residuals(pool.evidence, leader.model)
+    return [sign.effect for sign in signatures(left, pool.noise_floor) if sign.agrees]
 
 
 def _check_backwards(pool: Pool) -> None:

@@ -5,7 +5,7 @@ All are screened, the promising are fitted, the best of them to the end.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 
 import numpy as np
 
@@ -26,7 +26,8 @@ from microgripper_control.diagnosis.trial import Trial
 from microgripper_control.effects.base import Scales, no_courses
 from microgripper_control.effects.registry import registry
 
-RUNNERS_UP = 2  # of the promising: those that explain most by themselves
+RUNNERS_UP = 2  # of the promising: those that explain most by themselves,
+SHOWN = 2  # and those of which what is left shows a sign
 NEAR = 3.0  # times what the best leaves: what leaves less is fitted on, all derivatives fresh,
 NEAR_IF_JOINED = 1.5  # but not so far off if it joins another and each sample is dear,
 FEW = 2  # and no more than so many of these, if they have helped at all by then
@@ -46,10 +47,14 @@ def play(
     pool: Pool,
     progress: Progress = silent,
     jobs: int = -1,
+    shown: Collection[str] = (),
 ) -> None:
-    """Add each of some effects to the bases: all are screened, the `most` promising are fitted."""
+    """Add each of some effects to the bases: all are screened, the `most` promising are fitted.
+
+    `shown` are those of which the bases' residuals show a sign.
+    """
     if most < len(names):
-        names = _promising(evidence, bases, names, pool, jobs)[:most]
+        names = _promising(evidence, bases, names, shown, pool, jobs)[:most]
     before = bases[0].trial
     # What leaves nothing to explain cannot lose to another effect: a look at each is enough.
     alone = before is pool.refit
@@ -89,14 +94,23 @@ def _long_first(names: Sequence[str], scales: Scales) -> list[str]:
 
 
 def _promising(
-    evidence: Evidence, bases: Sequence[Base], names: Sequence[str], pool: Pool, jobs: int
+    evidence: Evidence,
+    bases: Sequence[Base],
+    names: Sequence[str],
+    shown: Collection[str],
+    pool: Pool,
+    jobs: int,
 ) -> list[str]:
-    """The effects in the order in which they are worth a fit; first those that are strong alone."""
+    """The effects in the order in which they are worth a fit.
+
+    First those that are strong alone, and those that show: a glance may miss a narrow resonance.
+    """
     looks = [(evidence, bases, name) for name in names]
     left: Mapping[str, float] = dict(side_by_side(promise, looks, jobs))
     alone = [name for trial in pool.best(1, len(pool.tried)) for name in trial.effects]
     strong = [name for name in alone if name in left][:RUNNERS_UP]
-    return sorted(left, key=lambda name: (name not in strong, left[name]))
+    first = {*strong, *sorted({*shown} & {*left}, key=lambda name: left[name])[:SHOWN]}
+    return sorted(left, key=lambda name: (name not in first, left[name]))
 
 
 def _going_on(
