@@ -19,6 +19,7 @@ from microgripper_control.diagnosis.grid import refuted
 from microgripper_control.diagnosis.part import GLANCE, MANY, is_dear, on_a_part, refined
 from microgripper_control.diagnosis.screening import Guess, guesses, kind
 from microgripper_control.diagnosis.trial import Trial, judged, moved, unfitted
+from microgripper_control.effects.base import Values
 from microgripper_control.effects.registry import registry
 
 STARTS, MOST_STARTS = 2, 4  # best first guesses that are fitted,
@@ -41,6 +42,7 @@ class Scrutiny(NamedTuple):
     starts: int = MOST_STARTS
     hopeless: float = math.inf  # m: what leaves more is fitted no further
     known: float = 0.0  # m, what the best of the others leaves
+    alone: Sequence[Values] = ()  # what an effect that joins others was by itself
 
 
 def attempt(
@@ -71,7 +73,8 @@ def _attempt(
         return behind(evidence, bases[0].trial, name), ""
     part, anchors = on_a_part(evidence, bases, name, scrutiny.samples)
     samples = sum(int(np.count_nonzero(used)) for used in part.used)
-    starts = guesses(part, anchors, name, min(scrutiny.starts, max(STARTS, ENOUGH // samples)))
+    wanted = min(scrutiny.starts, max(STARTS, ENOUGH // samples))
+    starts = guesses(part, anchors, name, wanted, scrutiny.alone)
     fits = [_fit_from(part, start, name, FAR_OFF * scrutiny.hopeless) for start in starts]
     found = [fit for fit in fits if fit is not None and np.isfinite(fit.fitted_rmse)]
     if not found:
@@ -166,12 +169,17 @@ def behind(evidence: Evidence, trial: Trial, name: str) -> Trial:
     return judged(evidence, replace(trial, model=model))
 
 
-def promise(evidence: Evidence, bases: Sequence[Base], name: str) -> tuple[str, float]:
-    """The share of a residual's power, at best, that is left when an effect joins in."""
+def promise(
+    evidence: Evidence, bases: Sequence[Base], name: str, alone: Sequence[Values]
+) -> tuple[str, float]:
+    """The share of a residual's power, at best, that is left when an effect joins in.
+
+    `alone` is as `Scrutiny` has it.
+    """
     try:
         with np.errstate(all="ignore"):
             part, anchors = on_a_part(evidence, bases, name, GLANCE)
-            found = guesses(part, anchors, name, 1)
+            found = guesses(part, anchors, name, 1, alone)
     except (ArithmeticError, ValueError, np.linalg.LinAlgError):
         return name, np.inf
     power = float(anchors[0].residual @ anchors[0].residual)

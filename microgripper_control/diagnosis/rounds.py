@@ -23,7 +23,7 @@ from microgripper_control.diagnosis.part import GLANCE, PART, is_dear
 from microgripper_control.diagnosis.pool import Pool
 from microgripper_control.diagnosis.schedule import side_by_side
 from microgripper_control.diagnosis.trial import Trial
-from microgripper_control.effects.base import Scales, no_courses
+from microgripper_control.effects.base import Scales, Values, no_courses
 from microgripper_control.effects.registry import registry
 
 RUNNERS_UP = 2  # of the promising: those that explain most by themselves,
@@ -65,7 +65,10 @@ def play(
     if not wanting:
         starts = STARTS if alone else MOST_STARTS
         scrutiny = Scrutiny(GLANCE, starts, near * known, known)
-    tasks = [(evidence, bases, name, scrutiny) for name in _long_first(names, evidence.scales)]
+    tasks = [
+        (evidence, bases, name, scrutiny._replace(alone=() if alone else _by_itself(name, pool)))
+        for name in _long_first(names, evidence.scales)
+    ]
     found = []
     progress("", 0, len(tasks))
     for done, (name, trial, why) in enumerate(side_by_side(attempt, tasks, jobs), start=1):
@@ -105,12 +108,18 @@ def _promising(
 
     First those that are strong alone, and those that show: a glance may miss a narrow resonance.
     """
-    looks = [(evidence, bases, name) for name in names]
+    looks = [(evidence, bases, name, _by_itself(name, pool)) for name in names]
     left: Mapping[str, float] = dict(side_by_side(promise, looks, jobs))
     alone = [name for trial in pool.best(1, len(pool.tried)) for name in trial.effects]
     strong = [name for name in alone if name in left][:RUNNERS_UP]
     first = {*strong, *sorted({*shown} & {*left}, key=lambda name: left[name])[:SHOWN]}
     return sorted(left, key=lambda name: (name not in first, left[name]))
+
+
+def _by_itself(name: str, pool: Pool) -> list[Values]:
+    """The values that an effect had when it was tried alone."""
+    trial = pool.tried.get(frozenset([name]))
+    return [trial.model.values(name)] if trial is not None else []
 
 
 def _going_on(

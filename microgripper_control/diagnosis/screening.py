@@ -38,9 +38,18 @@ class Guess:
     idle: bool  # whether it changes next to nothing
 
 
-def guesses(evidence: Evidence, bases: Sequence[Base], effect: str, wanted: int) -> list[Guess]:
-    """First guesses of an effect: `wanted` of the best kind, and the best of another and a base."""
-    starts = registry()[effect].starts(evidence.scales)
+def guesses(
+    evidence: Evidence,
+    bases: Sequence[Base],
+    effect: str,
+    wanted: int,
+    found_alone: Sequence[Values] = (),
+) -> list[Guess]:
+    """First guesses of an effect: `wanted` of the best kind, and the best of another and a base.
+
+    What it was `found_alone` to be, beside no other effect, is one of them in any case.
+    """
+    starts = [*registry()[effect].starts(evidence.scales), *found_alone]
     found = [
         guess
         for base in bases
@@ -60,7 +69,8 @@ def guesses(evidence: Evidence, bases: Sequence[Base], effect: str, wanted: int)
     alike = [guess for guess, own in zip(found, kinds, strict=True) if own == kinds[0]]
     other = [guess for guess, own in zip(found, kinds, strict=True) if own != kinds[0]]
     firsts = {id(guess.base): guess for guess in reversed(found)}
-    chosen = [*alike[:wanted], *other[:1], *firsts.values()]
+    as_alone = [guess for guess in found if dict(guess.model.values(effect)) in found_alone]
+    chosen = [*alike[:wanted], *other[:1], *firsts.values(), *as_alone]
     return [guess for guess in found if any(guess is one for one in chosen)]
 
 
