@@ -33,3 +33,21 @@ def test_a_law_with_parts_is_started_from_more_than_one_of_them() -> None:
     assert not all(late)
     assert len(found) <= 5
     assert [guess.left for guess in found] == sorted(guess.left for guess in found)
+
+
+def test_what_an_effect_was_alone_is_a_guess_for_beside_others() -> None:
+    """A mode so little damped that it lies between any two first guesses."""
+    paper = nominal_model()
+    voltage = 60.0 + 50.0 * np.sign(np.sin(2.0 * np.pi * 0.9 * 1e-3 * np.arange(6000)))
+    mode = {"share": 0.02, "frequency": 41.6, "damping": 0.01}
+    rig = paper.with_link("extra_resonance", **mode)
+    noise = np.random.default_rng(2).normal(0.0, 5e-9, len(voltage))
+    recording = Recording("run", 1e-3, voltage, simulate(rig, voltage, 1e-3) + noise)
+    evidence = Evidence.gather([recording], (), Conditions(), paper)
+    bases = [base_of(evidence, refit_trial(evidence, nominal_trial(evidence, paper)))]
+    before, after = (
+        guesses(evidence, bases, "extra_resonance", 1, alone) for alone in ((), [mode])
+    )
+    assert mode not in [guess.model.values("extra_resonance") for guess in before]
+    assert mode in [guess.model.values("extra_resonance") for guess in after]
+    assert after[0].left < 0.2 * before[0].left
