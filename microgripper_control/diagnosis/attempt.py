@@ -85,36 +85,42 @@ def _attempt(
         found += [fit_on(part, fit, ROUGH, DEAR_STEPS) for fit in best_of_each_kind(found, name)]
     if part is evidence:
         return min((judged(evidence, fit) for fit in found), key=lambda trial: trial.both), ""
+    found.sort(key=lambda trial: trial.fitted_rmse)
     if not alone:
-        found = [min(found, key=lambda trial: trial.fitted_rmse)]
-    known = scrutiny.known if alone else 0.0
-    whole = _carried(evidence, found, name, scrutiny.hopeless, known)
+        found, scrutiny = found[:1], scrutiny._replace(known=0.0)
+    whole = _carried(evidence, found, name, scrutiny)
     if whole is None:
         return None, "diverges where it was not fitted"
     return judged(evidence, whole), ""
 
 
 def _carried(
-    evidence: Evidence, found: Sequence[Trial], name: str, hopeless: float, known: float
+    evidence: Evidence, found: Sequence[Trial], name: str, scrutiny: Scrutiny
 ) -> Trial | None:
-    """The best fit on all samples of those that were found on a part; None if all diverge there."""
-    found = sorted(found, key=lambda trial: trial.fitted_rmse)
+    """The best fit on all samples of those that were found on a part, best first.
+
+    None if all diverge there.
+    """
     least = found[0].fitted_rmse
     # What fits a part best may have bent to it: elsewhere it fits worse, or diverges.
-    carried = [unfitted(evidence, moved(evidence, fit)) for fit in found[:CARRIED]]
-    whole = _least(carried)
-    if whole is None or least >= hopeless:
+    whole = _on_all(evidence, found[:CARRIED])
+    if whole is None or least >= scrutiny.hopeless:
         return whole
     whole = fit_on(evidence, whole, ROUGH, SETTLING_IN, fresh=())
-    if least >= known or whole.fitted_rmse <= MISLED * least:
+    if least >= scrutiny.known or whole.fitted_rmse <= MISLED * least:
         return whole
     more = evidence.pieces(MANY)
     others = [moved(more, fit) for fit in best_of_each_kind(found, name)]
     further = _least([_while_it_falls(more, fit) for fit in others])
     if further is not None and more is not evidence:
-        further = unfitted(evidence, moved(evidence, further))
-        further = fit_on(evidence, further, ROUGH, SETTLING_IN, fresh=())
-    return _least([whole, *([further] if further else [])])
+        further = _on_all(evidence, [further])
+        further = further and fit_on(evidence, further, ROUGH, SETTLING_IN, fresh=())
+    return _least([fit for fit in (whole, further) if fit is not None])
+
+
+def _on_all(evidence: Evidence, fits: Sequence[Trial]) -> Trial | None:
+    """The best on all samples of what was fitted to a part, not fitted on; None if all diverge."""
+    return _least([unfitted(evidence, moved(evidence, fit)) for fit in fits])
 
 
 def _while_it_falls(evidence: Evidence, trial: Trial) -> Trial:
