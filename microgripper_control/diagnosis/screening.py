@@ -69,7 +69,7 @@ def guesses(
     alike = [guess for guess, own in zip(found, kinds, strict=True) if own == kinds[0]]
     other = [guess for guess, own in zip(found, kinds, strict=True) if own != kinds[0]]
     firsts = {id(guess.base): guess for guess in reversed(found)}
-    as_alone = [guess for guess in found if dict(guess.model.values(effect)) in found_alone]
+    as_alone = [guess for guess in found if guess.model.values(effect) in found_alone]
     chosen = [*alike[:wanted], *other[:1], *firsts.values(), *as_alone]
     return [guess for guess in found if any(guess is one for one in chosen)]
 
