@@ -71,7 +71,8 @@ def law(
         else:
             f = 0.0
     after[0] = f
-    return -((1.0 - c[6]) * f + slipping)
+    force: float = (1.0 - c[6]) * f + slipping
+    return -force
 
 
 def coefficients(values: Values) -> Sequence[float]:
