@@ -15,6 +15,8 @@ from microgripper_control.core.compiled import compiled
 from microgripper_control.core.signals import Array, Timing
 
 SMALLEST_A2 = 1e-12  # of a1^2: the faster lag is then nothing to the slower one
+SHORTEST = 1e-100  # s: of a shorter lag there is no square to divide by
+FIRST_ORDER = 0.02  # of a2 / a1^2: what is below counts as first order
 
 
 def _free_decay(a1: float, a2: float, step: float) -> tuple[float, float, float, float]:
@@ -31,14 +33,21 @@ def _free_decay(a1: float, a2: float, step: float) -> tuple[float, float, float,
 def lag_rows(a1: float, a2: float, timing: Timing) -> Array:
     """Coefficients of `advance_lag` for each step of a sample period, shape (steps, 7).
 
-    `a1` in s, `a2` in s^2, not both zero.
+    `a1` in s, `a2` in s^2. Without any lag, if both vanish, they are zeros, which give y = u.
     """
+    if a1 < SHORTEST and a2 < SHORTEST**2:
+        return np.zeros((len(timing.steps), 7))
     a2 = max(a2, SMALLEST_A2 * a1 * a1)
     rows = []
     for step in timing.steps:
         course = (1.0, 1.0 / step, a1 / step) if timing.ramped else (0.0, 0.0, 0.0)
         rows.append((*_free_decay(a1, a2, step), *course))
     return np.array(rows)
+
+
+def order(curvature: float) -> str:
+    """What a lag with a2 = curvature a1^2 is called."""
+    return "first" if curvature < FIRST_ORDER else "second"
 
 
 @compiled

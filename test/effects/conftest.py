@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 import pytest
 from scipy.optimize import least_squares
+from scipy.signal import cont2discrete, lfilter
 
 from microgripper_control.core.signals import POSITION, ROWS, VOLTAGE, Array, Timing
 from microgripper_control.effects.base import Link
@@ -15,6 +16,7 @@ from microgripper_control.plant.chain import Chain
 from microgripper_control.plant.model import Model, nominal_model
 from microgripper_control.plant.simulate import Plant, simulate
 
+Transfer = tuple[list[float], list[float]]  # numerator and denominator
 NOISE = 15e-9  # m, of the sensor in the tests that recover planted values
 
 
@@ -37,6 +39,23 @@ def slow(paper: Model) -> Model:
 def without_hysteresis() -> Callable[[Model], Model]:
     """The same rig as a linear one, so that linear theory has the answer."""
     return lambda model: model.with_values({("bouc_wen", "alpha"): 0.0})
+
+
+@pytest.fixture
+def filtered() -> Callable[[Model, Array, Transfer], Array]:
+    """Linear theory at 1 kHz, m: the mechanics of a rig without hysteresis and a filter."""
+
+    def run(linear: Model, voltage: Array, transfer: Transfer) -> Array:
+        v = linear.values("second_order")
+        numerator, denominator = transfer
+        gain = linear.value("bouc_wen", "d") * v["k"]
+        mechanics = [v["m"], v["b"], v["k"] + v["k_s"]]
+        system = gain * np.array(numerator), np.polymul(denominator, mechanics)
+        discrete, poles, _ = cont2discrete(system, 1e-3, "zoh")
+        motion: Array = lfilter(discrete[0], poles, voltage)
+        return motion
+
+    return run
 
 
 @pytest.fixture

@@ -24,7 +24,7 @@ from dataclasses import replace
 import numpy as np
 
 from microgripper_control.core.compiled import compiled
-from microgripper_control.core.lag import advance_lag, lag_rows
+from microgripper_control.core.lag import advance_lag, lag_rows, order
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import quantity
 from microgripper_control.core.signals import VOLTAGE, Array, Timing
@@ -33,7 +33,6 @@ from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Val
 PIECES = 12  # of exp(-t/T), chords of equal error 1 / (2 PIECES^2); then the last of it, to zero
 BENDS = (*(-2.0 * math.log1p(-i / PIECES) for i in range(1, PIECES)), 7.0, 11.0, 36.0)
 TURNS = 3  # of an overshoot that are followed: at c of 1 the third is 0.4 % of a step
-FIRST_ORDER = 0.02  # of the curvature: what is below counts as first order
 
 
 def breaks(values: Values, sample_period: float) -> set[float]:
@@ -92,11 +91,9 @@ def starts(scales: Scales) -> Sequence[Values]:
 
 
 def says(values: Values, scales: Scales) -> str:
-    order = "first" if values["curvature"] < FIRST_ORDER else "second"
-    if values["third"] > 0.0:
-        order = "third"
+    which = "third" if values["third"] > 0.0 else order(values["curvature"])
     late = quantity(values["lag"], "s")
-    return f"the amplifier lags: it follows a ramp of the voltage {late} late ({order} order)"
+    return f"the amplifier lags: it follows a ramp of the voltage {late} late ({which} order)"
 
 
 LINK = Link(

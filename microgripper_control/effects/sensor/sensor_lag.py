@@ -17,7 +17,7 @@ from dataclasses import replace
 import numpy as np
 
 from microgripper_control.core.compiled import compiled
-from microgripper_control.core.lag import advance_lag, lag_rows
+from microgripper_control.core.lag import advance_lag, lag_rows, order
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import quantity
 from microgripper_control.core.signals import POSITION, Array, Timing
@@ -25,8 +25,6 @@ from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Val
 
 HEAD = 6  # of the state, before the rings
 SHOWN = 0.05  # of the longer time: a shorter one is not spoken of
-FIRST_ORDER = 0.02  # of the curvature: what is below counts as first order
-SHORTEST = 1e-100  # s: of a time constant below, no square could be divided by
 
 
 @compiled
@@ -87,16 +85,9 @@ def _window(averaging: float, timing: Timing, last: int) -> tuple[int, float, fl
     return count, left * (1.0 - entered / 2.0) / averaging, left * entered / 2.0 / averaging
 
 
-def _filter(lag: float, curvature: float, timing: Timing) -> Array:
-    """Coefficients of `advance_lag` behind straight lines; zeros, without a filter, give y = m."""
-    if lag < SHORTEST:
-        return np.zeros((len(timing.steps), 7))
-    return lag_rows(lag, curvature * lag**2, replace(timing, ramped=True))
-
-
 def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     """The levels are left alone: the gain at rest is one."""
-    averaging, level = values["averaging"], levels[POSITION]
+    averaging, lag, level = values["averaging"], values["time_constant"], levels[POSITION]
     rows = []
     for index, step in enumerate(timing.steps):
         half = step / (2.0 * averaging) if averaging > 0.0 else 0.0
@@ -108,7 +99,7 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     inside = rows[-1][0]
     head = (level, 0.0, level, areas[size - inside :].sum(), inside, size - 1)
     state = np.concatenate([head, np.full(size, level), areas])
-    behind = _filter(values["time_constant"], values["curvature"], timing)
+    behind = lag_rows(lag, values["curvature"] * lag**2, replace(timing, ramped=True))
     return Prepared(np.hstack([behind, np.array(rows)]), state, timing.ramped)
 
 
@@ -132,10 +123,10 @@ def starts(scales: Scales) -> Sequence[Values]:
 
 
 def says(values: Values, scales: Scales) -> str:
-    order = "first" if values["curvature"] < FIRST_ORDER else "second"
+    filtered = f" ({order(values['curvature'])} order)"
     parts = (
         ("averages over", values["averaging"], ""),
-        ("has a time constant of", values["time_constant"], f" ({order} order)"),
+        ("has a time constant of", values["time_constant"], filtered),
     )
     longest = max(time for _, time, _ in parts)
     shown = [

@@ -98,19 +98,25 @@ def test_a_step_is_overshot_only_above_two_equal_lags(alone: Alone) -> None:
         assert np.max(out) == pytest.approx(1.0 + over, abs=1e-5)
 
 
+def test_a_lag_too_short_to_be_squared_is_none(alone: Alone) -> None:
+    values = {"lag": 1e-200, "curvature": 0.5, "third": 0.0}
+    x = np.random.default_rng(11).normal(size=50)
+    np.testing.assert_array_equal(alone("amplifier_lag", values, x, (1e-3,)), x)
+
+
 @pytest.mark.parametrize("c", [0.0, 0.25, 0.5, 1.0])
 @pytest.mark.parametrize("lag", [2e-5, 3e-4, 2e-3])
 def test_a_linear_rig_behind_it_meets_theory(
-    slow: Model, without_hysteresis: Callable[[Model], Model], lively: Array, lag: float, c: float
+    slow: Model,
+    without_hysteresis: Callable[[Model], Model],
+    lively: Array,
+    filtered: Callable[..., Array],
+    lag: float,
+    c: float,
 ) -> None:
     linear = without_hysteresis(slow)
-    v = linear.values("second_order")
-    mechanics = [v["m"], v["b"], v["k"] + v["k_s"]]
-    gain = linear.value("bouc_wen", "d") * v["k"]
     absent = simulate(linear, lively, 1e-3)
-    system = ([gain], np.polymul([c * lag**2, lag, 1.0], mechanics))
-    numerator, denominator, _ = cont2discrete(system, 1e-3, "zoh")
-    expected = lfilter(numerator[0], denominator, lively)
+    expected = filtered(linear, lively, ([1.0], [c * lag**2, lag, 1.0]))
     found = simulate(linear.with_link("amplifier_lag", lag=lag, curvature=c), lively, 1e-3)
     share = 0.05 if c == 1.0 else 0.03
     assert np.linalg.norm(found - expected) < share * np.linalg.norm(absent - expected)

@@ -106,27 +106,18 @@ def test_a_level_stays_for_ever(alone: Alone, curvature: float) -> None:
     np.testing.assert_allclose(out, level, rtol=1e-11)
 
 
-def filtered_motion(linear: Model, voltage: Array, low_pass: list[float]) -> Array:
-    """Linear theory of the mechanics with a low-pass behind, given by its denominator."""
-    v = linear.values("second_order")
-    gain = linear.value("bouc_wen", "d") * v["k"]
-    system = ([gain], np.polymul(low_pass, [v["m"], v["b"], v["k"] + v["k_s"]]))
-    numerator, denominator, _ = cont2discrete(system, 1e-3, "zoh")
-    motion: Array = lfilter(numerator[0], denominator, voltage)
-    return motion
-
-
 @pytest.mark.parametrize("rig", ["paper", "slow"])
 @pytest.mark.parametrize("filtering", [1e-4, 1e-3, 5e-3])
 def test_behind_the_mechanics_the_filter_meets_theory(
     rig: str,
     request: pytest.FixtureRequest,
     without_hysteresis: Callable[[Model], Model],
+    filtered: Callable[..., Array],
     lively: Array,
     filtering: float,
 ) -> None:
     linear = without_hysteresis(request.getfixturevalue(rig))
-    expected = filtered_motion(linear, lively, [filtering, 1.0])
+    expected = filtered(linear, lively, ([1.0], [filtering, 1.0]))
     model = linear.with_link("sensor_lag", averaging=0.0, time_constant=filtering)
     error = np.linalg.norm(simulate(model, lively, 1e-3) - expected)
     # What matters is how late the reading is: compare with one late by 3 us.
@@ -141,13 +132,14 @@ def test_behind_the_mechanics_a_filter_of_second_order_meets_theory(
     rig: str,
     request: pytest.FixtureRequest,
     without_hysteresis: Callable[[Model], Model],
+    filtered: Callable[..., Array],
     lively: Array,
     filtering: float,
     curvature: float,
 ) -> None:
     linear = without_hysteresis(request.getfixturevalue(rig))
     low_pass = [curvature * filtering**2, filtering, 1.0]
-    expected = filtered_motion(linear, lively, low_pass)
+    expected = filtered(linear, lively, ([1.0], low_pass))
     values = {"averaging": 0.0, "time_constant": filtering, "curvature": curvature}
     found, absent = (
         simulate(model, lively, 1e-3)

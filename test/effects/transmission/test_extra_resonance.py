@@ -41,21 +41,14 @@ def test_behind_the_mechanics_it_meets_theory(
     rig: str,
     request: pytest.FixtureRequest,
     without_hysteresis: Callable[[Model], Model],
+    filtered: Callable[..., Array],
     lively: Array,
     share: float,
     frequency: float,
 ) -> None:
     linear = without_hysteresis(request.getfixturevalue(rig))
     values = {"share": share, "frequency": frequency, "damping": 0.02}
-    v = linear.values("second_order")
-    gain = linear.value("bouc_wen", "d") * v["k"]
-    numerator, denominator = mode(**values)
-    system = (
-        gain * np.array(numerator),
-        np.polymul(denominator, [v["m"], v["b"], v["k"] + v["k_s"]]),
-    )
-    discrete, poles, _ = cont2discrete(system, 1e-3, "zoh")
-    expected = lfilter(discrete[0], poles, lively)
+    expected = filtered(linear, lively, mode(**values))
     found = simulate(linear.with_link("extra_resonance", **values), lively, 1e-3)
     absent = simulate(linear, lively, 1e-3)
     assert np.linalg.norm(found - expected) < 0.02 * np.linalg.norm(absent - expected)
