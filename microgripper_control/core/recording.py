@@ -49,6 +49,7 @@ class Recording:
     `voltage[k]` (V) is applied from that instant on, `displacement[k]` (m) is read at it;
     `displacement` and `setpoint` (m) are None where they were not recorded. `warnings` says what
     was mended on reading, `read` (bool, shape (n,), None for all) which samples are no fillings.
+    `reading_age` is how old the first reading is where the sensor converts on a clock of its own.
     Raises MicrogripperError naming the recording on bad samples.
     """
 
@@ -60,6 +61,7 @@ class Recording:
     start: float = 0.0  # s
     warnings: tuple[str, ...] = ()
     read: NDArray[np.bool_] | None = None
+    reading_age: float = 0.0  # s
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.sample_period) and self.sample_period > 0.0):

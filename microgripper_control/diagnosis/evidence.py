@@ -87,6 +87,17 @@ class Evidence:
             used=(*self.used, *_used(self.judged, False)),
         )
 
+    def clocked(self, clock: float, ages: Sequence[float]) -> Evidence:
+        """The same with the sensor's clock, s, and the ages of the fitted first readings, s."""
+        fitted = [
+            replace(recording, reading_age=age)
+            for recording, age in zip(self.fitted, ages, strict=True)
+        ]
+        new = {id(old): timed for old, timed in zip(self.fitted, fitted, strict=True)}
+        judged = tuple(new.get(id(recording), recording) for recording in self.judged)
+        scales = replace(self.scales, clock=clock)
+        return replace(self, fitted=tuple(fitted), judged=judged, scales=scales)
+
     @property
     def apart(self) -> bool:
         """Whether no recording that judges is fitted as well."""
@@ -244,6 +255,7 @@ def _piece(recording: Recording, part: slice) -> Recording:
         setpoint=None,
         start=recording.start + part.start * recording.sample_period,
         read=None if recording.read is None else recording.read[part],
+        reading_age=recording.reading_age + part.start * recording.sample_period,
     )
 
 

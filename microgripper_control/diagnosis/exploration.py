@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from microgripper_control.diagnosis.attempt import behind
 from microgripper_control.diagnosis.evidence import Evidence
-from microgripper_control.diagnosis.fitting import base_of
+from microgripper_control.diagnosis.fitting import Base, base_of
 from microgripper_control.diagnosis.part import (
     POLISHED,
     is_dear,
@@ -25,6 +25,7 @@ from microgripper_control.diagnosis.pool import Pool, is_read_off
 from microgripper_control.diagnosis.resettling import again_if_settled
 from microgripper_control.diagnosis.residuals import fitted_residuals
 from microgripper_control.diagnosis.rounds import Progress, play, silent
+from microgripper_control.diagnosis.sensor_clock import has_clock, on_its_clock
 from microgripper_control.diagnosis.signatures import signatures
 from microgripper_control.diagnosis.trial import Trial
 
@@ -58,7 +59,9 @@ def explore(
     # From cheap to dear: a look is enough at what costs more and has nothing left to explain.
     dear = [name for name in names if is_dear_with(evidence, refit, name)]
     light = [n for n in names if not is_force(n) and is_light_with(evidence, refit, n)]
-    for some in (light, [name for name in names if name not in (*light, *dear)], dear):
+    play(evidence, bases, light, len(light), pool, progress, jobs)
+    evidence = _on_the_sensors_clock(bases, pool, progress, jobs)
+    for some in ([name for name in names if name not in (*light, *dear)], dear):
         play(evidence, bases, some, len(some), pool, progress, jobs)
     pool = again_if_settled(pool, jobs)
     fitted = [name for name in names if not is_read_off(name)]
@@ -71,6 +74,21 @@ def explore(
     _check_backwards(pool)
     _add_chosen(pool, names)
     return pool
+
+
+def _on_the_sensors_clock(
+    bases: Sequence[Base], pool: Pool, progress: Progress, jobs: int
+) -> Evidence:
+    """The evidence, with the sensor's clock if lags leave one; they are then tried with it."""
+    clocked = [trial for trial in pool.best(1, len(pool.tried)) if has_clock(trial)]
+    if not clocked or not pool.leaves_more(clocked[0]):
+        return pool.evidence
+    evidence = on_its_clock(pool.evidence, clocked[0])
+    if evidence is not pool.evidence:
+        pool.evidence = evidence
+        names = [name for trial in clocked for name in trial.effects if name not in pool.own]
+        play(evidence, bases, names, len(names), pool, progress, jobs)
+    return evidence
 
 
 def _worth_joining(pool: Pool, size: int) -> bool:

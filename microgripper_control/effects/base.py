@@ -95,6 +95,7 @@ class Scales:
     stiffness: float  # N/m, k + k_s
     mass: float  # kg
     resolution: float = 0.0  # m, of the grid that all readings lie on; 0 if on none
+    clock: float = 0.0  # s, between conversions of a sensor with a clock of its own, else 0
 
     @property
     def swing(self) -> float:
@@ -245,6 +246,7 @@ class Link:
     follows: bool = False  # the course between the samples matters to it
     sampled: bool = False  # acts on the samples, not on the signal between them
     random: bool = False  # not repeatable: left out of predictions
+    clocked: bool = False  # has a parameter `clock`: see `conversion_clock`
 
     def __post_init__(self) -> None:
         if not self.parameters or not self.title or not self.source:

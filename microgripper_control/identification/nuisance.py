@@ -9,7 +9,7 @@ exactly.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -19,6 +19,7 @@ from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.initial_hysteresis import least_squares_h
+from microgripper_control.identification.reading_age import Late
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.simulate import Hold, Initial, sensed, simulate
 
@@ -57,12 +58,14 @@ class Nuisance:
     """One recording's own values: its initial h, m, and the weight of each of its courses, m.
 
     `reading`, m, is one that lies in its middle: a grid of the sensor is counted from there, since
-    where the grid lies moves with the recording's zero.
+    where the grid lies moves with the recording's zero. `reading_age`, s, is how old the first
+    reading is where the sensor converts on a clock of its own.
     """
 
     initial_hysteresis: float = 0.0
     weights: tuple[float, ...] = ()
     reading: float = 0.0
+    reading_age: float = 0.0
 
     @property
     def offset(self) -> float:
@@ -111,6 +114,7 @@ def response(model: Model, recording: Recording, conditions: Conditions, h: floa
         hold=conditions.hold,
         initial=conditions.initial,
         initial_hysteresis=h,
+        reading_age=recording.reading_age,
     )
 
 
@@ -123,6 +127,7 @@ def predict(
     model: Model, recording: Recording, conditions: Conditions, nuisance: Nuisance
 ) -> Array:
     """The model's prediction of a recording's displacement, m, shape (n,)."""
+    recording = replace(recording, reading_age=nuisance.reading_age)
     shown = response(model, recording, conditions, nuisance.initial_hysteresis)
     if nuisance.weights:
         shown = shown + np.array(nuisance.weights) @ courses(model, recording)
@@ -173,6 +178,9 @@ def fit_nuisance(
     mask = conditions.answered(recording)
     if used is not None:
         mask &= used
+    if model.clock > 0.0:
+        own = fit_nuisance(model.unclocked(), recording, conditions, used)
+        recording = in_time(model, recording, conditions, mask, own.initial_hysteresis)
     shapes = courses(model, recording)[:, mask]
     bound = largest_hysteresis(model, recording)
     if conditions.knows_initial_hysteresis or bound <= 0.0:
@@ -183,7 +191,27 @@ def fit_nuisance(
         h = least_squares_h(lambda h: without((recording.measured - answer(h))[mask]), bound)
         error = recording.measured - answer(h)
     weights, *_ = np.linalg.lstsq(shapes.T, error[mask], rcond=HARDLY_SEEN)
-    return Nuisance(h, tuple(map(float, weights)), middle_reading(recording, mask))
+    reading = middle_reading(recording, mask)
+    return Nuisance(h, tuple(map(float, weights)), reading, recording.reading_age)
+
+
+def late(model: Model, recording: Recording, conditions: Conditions, used: Mask, h: float) -> Late:
+    """A recording beside a model's responses that come later by parts of a sample."""
+    return Late.of(
+        model,
+        lambda other: response(other, recording, conditions, h),
+        recording.sample_period,
+        recording.measured,
+        used,
+    )
+
+
+def in_time(
+    model: Model, recording: Recording, conditions: Conditions, used: Mask, h: float
+) -> Recording:
+    """A recording with the age of its first reading after a model whose sensor has a clock."""
+    age, _ = late(model, recording, conditions, used, h).first_age(model.clock)
+    return replace(recording, reading_age=age)
 
 
 def middle_reading(recording: Recording, used: Mask) -> float:
@@ -207,7 +235,8 @@ def _by_hysteresis(
     if not len(remembered):
         return anew
     until = max(2, int(remembered[-1]) + 1)
-    beginning = Recording(recording.name, recording.sample_period, recording.voltage[:until])
+    voltage = recording.voltage[:until]
+    beginning = replace(recording, voltage=voltage, displacement=None, setpoint=None, read=None)
     return lambda h: np.append(response(model, beginning, conditions, h), high[until:])
 
 

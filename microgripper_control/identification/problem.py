@@ -131,7 +131,8 @@ class Problem:
             shapes = courses(model, self.recordings[index])[:, self.masks[index]]
             weights, *_ = np.linalg.lstsq(shapes.T, self._error(model, index, h), rcond=None)
             reading = middle_reading(self.recordings[index], self.masks[index])
-            found.append(Nuisance(h, tuple(map(float, weights)), reading))
+            age = self.recordings[index].reading_age
+            found.append(Nuisance(h, tuple(map(float, weights)), reading, age))
         return found
 
     def residuals(self, z: Array) -> Array:

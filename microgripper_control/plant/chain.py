@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from microgripper_control.core.signals import POSITION, ROWS, VOLTAGE, Array, Timing
+from microgripper_control.effects import conversion_clock
 from microgripper_control.effects.base import Kernel, Link, Load, Prepared, Stage, Values
 from microgripper_control.plant.model import Model
 
@@ -16,7 +17,8 @@ class Chain:
     """Runs the links one after the other over a bus of internal steps.
 
     `levels` (shape (4,)) is where each row of the bus rests when the run begins; only voltage and
-    hysteresis are read, the links fill in the rest.
+    hysteresis are read, the links fill in the rest. `reading_age`, s, is how old the first reading
+    is where the sensor converts on a clock of its own.
     """
 
     def __init__(
@@ -28,6 +30,7 @@ class Chain:
         ramped: bool = False,
         divisions: int = 1,
         random: bool = False,
+        reading_age: float = 0.0,
     ) -> None:
         links = [link for link in model.links if random or not link.random]
         jumps, breaks = _edges(model, links, sample_period, ramped)
@@ -49,6 +52,9 @@ class Chain:
                 self._lasting.append(prepared.state)
             if not link.sampled:
                 self.rest_position = float(levels[POSITION])
+        if model.clock > 0.0:
+            held = conversion_clock.prepare(model.clock, reading_age, timing, levels)
+            self._continuous.append((conversion_clock.kernel, held.coefficients, held.state))
 
     @property
     def steps(self) -> int:
@@ -131,7 +137,7 @@ def _edges(
 ) -> tuple[set[float], set[float]]:
     """Where in a sample period a held voltage jumps, and where links want it divided, as shares."""
     jumps, breaks = {0.0}, {0.0}
-    followed = not ramped and any(link.follows for link in links)
+    followed = not ramped and (model.clock > 0.0 or any(link.follows for link in links))
     for link in links:
         values = model.values(link.name)
         jumps |= link.jumps(values, sample_period)

@@ -76,6 +76,17 @@ class Model:
         return [link for link in present if not link.is_off(self.values(link.name))]
 
     @property
+    def clock(self) -> float:
+        """Between conversions of a sensor with a clock of its own, s; 0 if it has none."""
+        clocked = (name for name in self.settings if registry()[name].clocked)
+        return max((self.value(name, "clock") for name in clocked), default=0.0)
+
+    def unclocked(self) -> Model:
+        """A copy whose sensor converts with every sample."""
+        clocked = (name for name in self.settings if registry()[name].clocked)
+        return self.with_values({(name, "clock"): 0.0 for name in clocked})
+
+    @property
     def effects(self) -> tuple[str, ...]:
         """Names of the links beyond the paper's plant."""
         return tuple(name for name in self.settings if not registry()[name].nominal)

@@ -107,11 +107,16 @@ def _plain_setting(setting: Setting, unit: str) -> dict[str, Any]:
 
 
 def _link_settings(given: object, where: str, link: Link) -> dict[str, Setting]:
+    """A part of an effect that most rigs have not, such as a sensor's clock, may be left out."""
     known = tuple(p.name for p in link.parameters)
-    return {
+    found = {
         name: _setting(entry, f"{where}: {name}", link.parameter(name).unit)
         for name, entry in _mapping(given, where, known).items()
     }
+    for p in link.parameters:
+        if not p.fitted and p.nominal == p.vanishing:
+            found.setdefault(p.name, Setting(p.nominal))
+    return found
 
 
 def _setting(entry: object, where: str, unit: str) -> Setting:

@@ -50,11 +50,13 @@ def simulate(
     initial: Initial = Initial.REST,
     initial_hysteresis: float = 0.0,
     random: bool = False,
+    reading_age: float = 0.0,
 ) -> Array:
     """Displacement at the sampling instants, m, shape (n,), for a voltage, V, shape (n,).
 
     `initial_hysteresis` (m) is h at the first sample, for `Initial.FIRST_SAMPLE`. `random` includes
     the links that draw random numbers; without it the result is the model's prediction.
+    `reading_age` (s) is how old the first reading is, for a sensor with a clock of its own.
     """
     voltage = np.ascontiguousarray(voltage, dtype=float)
     if voltage.ndim != 1 or len(voltage) < 2 or not np.all(np.isfinite(voltage)):
@@ -65,7 +67,15 @@ def simulate(
     driven = np.append(voltage, voltage[0]) if periodic else voltage
     smooth = course(driven, periodic) if hold is Hold.BANDLIMITED else None
     divisions = smooth.divisions if smooth else 1
-    chain = Chain(model, sample_period, levels, ramped=ramped, divisions=divisions, random=random)
+    chain = Chain(
+        model,
+        sample_period,
+        levels,
+        ramped=ramped,
+        divisions=divisions,
+        random=random,
+        reading_age=reading_age,
+    )
     drive = _drive(driven, chain.timing, hold, smooth)
     positions = np.empty(len(voltage))
     if periodic:

@@ -168,3 +168,8 @@ def test_a_missing_file_and_a_folder_are_named(tmp_path: Path) -> None:
         load_model(tmp_path / "none.yaml")
     with pytest.raises(MicrogripperError, match="cannot be read: Is a directory"):
         load_model(tmp_path)
+
+
+def test_a_part_of_an_effect_that_most_rigs_have_not_may_be_left_out(tmp_path: Path) -> None:
+    (tmp_path / "rig.yaml").write_text(SOUND, encoding="utf-8")
+    assert load_model(tmp_path / "rig.yaml").value("transport_delay", "clock") == 0.0

@@ -2,6 +2,8 @@
 
     u(t) -> u(t - delay)
 
+The reading may be held between conversions on a clock of the sensor's own (`conversion_clock`).
+
 It stands before every other link because a delay commutes with all that do not depend on time.
 Under a zero-order hold the delayed step falls inside a sample period; the link asks for an internal
 boundary exactly there, so nothing is interpolated. A ramped signal is a chain of straight lines and
@@ -18,6 +20,7 @@ from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import quantity
 from microgripper_control.core.signals import VOLTAGE, Array, Timing
 from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
+from microgripper_control.effects.conversion_clock import CLOCK, says_clock
 
 SAME_INSTANT = 1e-9  # of a sample period: boundaries closer than this are one
 
@@ -72,15 +75,22 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
 
 def starts(scales: Scales) -> Sequence[Values]:
     """Early and late in a sample: steps of a held voltage are seen settled, or on their way."""
-    return [
+    found = [
         {"delay": (n + part) * scales.sample_period}
         for n in (*range(8), 10, 13, 17, 22, 30)
         for part in (0.4, 0.75, 0.9)
     ]
+    if scales.clock > 0.0:
+        cycles = [{"delay": n * scales.clock} for n in range(9)]
+        found += [values | {"clock": scales.clock} for values in (*found, *cycles)]
+    return found
 
 
 def says(values: Values, scales: Scales) -> str:
-    return f"the rig answers late: there is a delay of {quantity(values['delay'], 's')}"
+    return (
+        f"the rig answers late: there is a delay of {quantity(values['delay'], 's')}"
+        + says_clock(values)
+    )
 
 
 LINK = Link(
@@ -91,10 +101,12 @@ LINK = Link(
     source="definition of a pure delay",
     parameters=(
         Parameter("delay", "s", 0.001, 0.0, 1.0, "time by which the command is late", 0.0),
+        CLOCK,
     ),
     prepare=prepare,
     kernel=kernel,
     jumps=jumps,
+    clocked=True,
     starts=starts,
     says=says,
 )

@@ -7,6 +7,8 @@ Either may be absent. c, the curvature, tells the order as it does for the ampli
 lag; up to 1/4 it is two lags in a row that sum to t; at 1/2 the response is maximally flat, as
 filters before a converter often are; at 1 it peaks by 1.15.
 
+The reading may be held between conversions on a clock of the sensor's own (`conversion_clock`).
+
 The average is that of the straight lines between the internal steps, exactly; the filter takes m as
 straight in the same way.
 """
@@ -22,6 +24,7 @@ from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import quantity
 from microgripper_control.core.signals import POSITION, Array, Timing
 from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
+from microgripper_control.effects.conversion_clock import CLOCK, says_clock
 
 HEAD = 6  # of the state, before the rings
 SHOWN = 0.05  # of the longer time: a shorter one is not spoken of
@@ -111,7 +114,7 @@ def idle(values: Values) -> Collection[str]:
 def starts(scales: Scales) -> Sequence[Values]:
     """Averaging alone and a filter alone, of either order, over few and over many samples."""
     times = [samples * scales.sample_period for samples in (0.7, 2.0, 6.0, 20.0, 60.0)]
-    return [
+    found = [
         values
         for time in times
         for values in (
@@ -120,6 +123,10 @@ def starts(scales: Scales) -> Sequence[Values]:
             {"averaging": 0.0, "time_constant": time, "curvature": 0.5},
         )
     ]
+    if scales.clock > 0.0:  # nothing but the last exposure is read, or the mean of some
+        own = {"time_constant": 0.0, "clock": scales.clock}
+        found += [{"averaging": n * scales.clock, **own} for n in (0, 1, 2, 4, 8)]
+    return found
 
 
 def says(values: Values, scales: Scales) -> str:
@@ -132,7 +139,7 @@ def says(values: Values, scales: Scales) -> str:
     shown = [
         f"{how} {quantity(time, 's')}{more}" for how, time, more in parts if time > SHOWN * longest
     ]
-    return f"the sensor lags: it {' and '.join(shown)}"
+    return f"the sensor lags: it {' and '.join(shown)}{says_clock(values)}"
 
 
 LINK = Link(
@@ -145,10 +152,12 @@ LINK = Link(
         Parameter("averaging", "s", 1e-3, 0.0, 1.0, "time over which a reading is averaged", 0.0),
         Parameter("time_constant", "s", 1e-3, 0.0, 1.0, "of the filter behind: its lag", 0.0),
         Parameter("curvature", "1", 0.0, 0.0, 1.0, "0 first order, 1/4 two equal lags, 1/2 flat"),
+        CLOCK,
     ),
     prepare=prepare,
     kernel=kernel,
     follows=True,
+    clocked=True,
     idle=idle,
     starts=starts,
     says=says,

@@ -1,0 +1,45 @@
+"""A sensor's own clock against positions taken at the moments of its conversions."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from microgripper_control.core.signals import POSITION, ROWS, Timing
+from microgripper_control.effects import conversion_clock
+from microgripper_control.plant.model import nominal_model
+from microgripper_control.plant.simulate import Hold, simulate
+
+PERIOD = 1e-3  # s
+
+
+@pytest.mark.parametrize("clock", [0.13e-3, 0.7e-3, 1e-3, 2.3e-3, 41e-3])
+@pytest.mark.parametrize("share", [0.0, 0.4, 0.95])
+def test_each_reading_is_the_line_at_the_last_conversion(clock: float, share: float) -> None:
+    timing = Timing.divide(PERIOD, {0.0, 0.3}, {0.45}, ramped=True)
+    x = np.cumsum(np.random.default_rng(3).normal(size=3 * 150))
+    bus = np.zeros((ROWS, len(x)))
+    bus[POSITION] = x
+    age = share * clock
+    prepared = conversion_clock.prepare(clock, age, timing, np.zeros(ROWS))
+    conversion_clock.kernel(prepared.coefficients, prepared.state, bus)
+    ends = np.append(0.0, np.cumsum(np.resize(timing.steps, len(x))))
+    last = clock * np.floor((ends[1:] + age) / clock) - age
+    beside = np.abs((ends[1:] + age) / clock - np.rint((ends[1:] + age) / clock)) < 1e-9
+    expected = np.interp(last, ends, np.append(0.0, x))
+    np.testing.assert_allclose(bus[POSITION][~beside], expected[~beside], rtol=0.0, atol=1e-9)
+
+
+def test_a_plant_reads_on_the_clock_of_a_lag_or_a_delay() -> None:
+    time = PERIOD * np.arange(2000)
+    voltage = 80.0 - 80.0 * np.cos(2.0 * np.pi * 3.0 * time)
+    still = {"averaging": 0.0, "time_constant": 0.0}
+    free = simulate(nominal_model(), voltage, PERIOD, hold=Hold.FIRST)
+    lag = nominal_model().with_link("sensor_lag", **still, clock=5e-3)
+    delay = nominal_model().with_link("transport_delay", delay=0.0, clock=5e-3)
+    for model in (lag, delay):
+        held = simulate(model, voltage, PERIOD, hold=Hold.FIRST, reading_age=2e-3)
+        at = 5 * ((np.arange(2000) + 2) // 5) - 2
+        later = at > 0
+        np.testing.assert_allclose(held[later], free[at[later]], rtol=0.0, atol=1e-9)
+    assert lag.unclocked().clock == 0.0
