@@ -148,9 +148,11 @@ def _with_size(
 
 def _vague(name: str, settings: Mapping[str, Setting]) -> str:
     """How far the recordings leave the one value of an effect open: a held voltage hides much."""
-    if len(settings) > 1:
+    fitted = [key for key in settings if registry()[name].parameter(key).fitted]
+    if len(fitted) != 1:
         return ""
-    ((key, setting),) = settings.items()
+    (key,) = fitted
+    setting = settings[key]
     low, high = setting.interval or (setting.value, setting.value)
     if high - low <= VAGUE * abs(setting.value):
         return ""

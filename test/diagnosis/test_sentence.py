@@ -159,7 +159,8 @@ def test_a_value_that_the_recordings_leave_open_is_told_with_its_interval(
 ) -> None:
     rig = with_effect(PAPER, "transport_delay", delay=9.9e-3)
     interval = Setting(9.9e-3, interval=(low, 1e-2))
-    rig = replace(rig, settings={**rig.settings, "transport_delay": {"delay": interval}})
+    values = {**rig.settings["transport_delay"], "delay": interval}
+    rig = replace(rig, settings={**rig.settings, "transport_delay": values})
     text = sentence(EFFECTS, ["transport_delay"], GAP, PAPER, rig, [], [], SCALES)
     assert ("a delay of 9.9 ms (5.2 ms to 10 ms would do as well)." in text) == vague
     assert ("a delay of 9.9 ms." in text) != vague
