@@ -23,6 +23,10 @@ FREE = 2  # m, what the stack would move without the flexure: d u - h
 POSITION = 3  # m, displacement of the finger, then the sensor's reading of it
 ROWS = 4
 
+# What links tell each other beside the levels at which these rest when a run begins:
+GONE = 4  # m, how far the free displacement has gone since it last turned
+LEVELS = 5
+
 
 @dataclass(frozen=True)
 class Timing:

@@ -29,10 +29,9 @@ import numpy as np
 from scipy.linalg import expm
 
 from microgripper_control.core.compiled import address_of
-from microgripper_control.core.signals import FREE, HYSTERESIS, POSITION, Array, Timing
+from microgripper_control.core.signals import FREE, GONE, HYSTERESIS, POSITION, ROWS, Array, Timing
 from microgripper_control.effects import force_balance as layout
 from microgripper_control.effects.base import Load, Prepared, Values
-from microgripper_control.effects.past import gone_since_turn
 
 FINE = 0.3  # rad
 FINE_BY_PATH = 0.16  # rad; for weak forces that follow it, by their share in the stiffness ** -1/4
@@ -65,11 +64,11 @@ def prepare(values: Values, timing: Timing, levels: Array, loads: Sequence[Load]
     for step, spans in zip(timing.steps, divided, strict=True):
         substeps += _substeps(values, omega, step, spans, timing.ramped)
     state = np.zeros(layout.CARRIED + 2 * carried)
-    rest = np.zeros((len(levels), 3))  # the last time it only refines
+    rest = np.zeros((ROWS, 3))  # the last time it only refines
     rest[FREE] = levels[FREE]
     h = levels[HYSTERESIS]
     if h * (levels[FREE] + h) <= 0.0:
-        rest[FREE, 0] -= gone_since_turn(h)
+        rest[FREE, 0] -= levels[GONE]
     layout.kernel(np.array([*laws, _rest(values)]), state, rest)
     levels[POSITION] = rest[POSITION, 2]
     return Prepared(np.array([*laws, *substeps]), state, ramped=True)

@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import least_squares
 from scipy.signal import cont2discrete, lfilter
 
-from microgripper_control.core.signals import POSITION, ROWS, VOLTAGE, Array, Timing
+from microgripper_control.core.signals import LEVELS, POSITION, ROWS, VOLTAGE, Array, Timing
 from microgripper_control.effects.base import Link
 from microgripper_control.effects.registry import link_named
 from microgripper_control.plant.chain import Chain
@@ -116,7 +116,7 @@ def alone() -> Callable[..., Array]:
         level: float = 0.0,
     ) -> Array:
         link = link_named(link) if isinstance(link, str) else link
-        levels = np.zeros(ROWS)
+        levels = np.zeros(LEVELS)
         levels[row] = level
         nominal = {parameter.name: parameter.nominal for parameter in link.parameters}
         prepared = link.prepare({**nominal, **values}, Timing(sum(steps), steps, ramped), levels)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from microgripper_control.core.signals import FREE, POSITION, ROWS, Array, Timing
+from microgripper_control.core.signals import FREE, LEVELS, POSITION, ROWS, Array, Timing
 from microgripper_control.effects import force_balance, mass_under_forces
 from microgripper_control.effects.base import Force, Link, Load, Stage, Values
 from microgripper_control.effects.mechanics import second_order
@@ -46,7 +46,7 @@ def grid(steps: tuple[float, ...], ramped: bool) -> Timing:
 
 
 def under(values: Values, loads: list[Load], w: Array, timing: Timing) -> Array:
-    prepared = mass_under_forces.prepare(values, timing, np.zeros(ROWS), loads)
+    prepared = mass_under_forces.prepare(values, timing, np.zeros(LEVELS), loads)
     bus = np.zeros((ROWS, len(w)))
     bus[FREE] = w
     force_balance.kernel(prepared.coefficients, prepared.state, bus)
@@ -54,7 +54,7 @@ def under(values: Values, loads: list[Load], w: Array, timing: Timing) -> Array:
 
 
 def alone(values: Values, w: Array, timing: Timing) -> Array:
-    prepared = second_order.prepare(values, timing, np.zeros(ROWS))
+    prepared = second_order.prepare(values, timing, np.zeros(LEVELS))
     bus = np.zeros((ROWS, len(w)))
     bus[FREE] = w
     second_order.kernel(prepared.coefficients, prepared.state, bus)
@@ -134,7 +134,7 @@ def test_the_ringing_is_divided_from_jump_to_jump_not_from_step_to_step(paper: M
     rows = [
         len(
             mass_under_forces.prepare(
-                values, timing, np.zeros(ROWS), [load(spring_by_path, size, 1)]
+                values, timing, np.zeros(LEVELS), [load(spring_by_path, size, 1)]
             ).coefficients
         )
         for timing in (grid((period,), False), cut)
@@ -150,7 +150,7 @@ def test_the_ringing_is_divided_from_jump_to_jump_not_from_step_to_step(paper: M
 def test_a_mass_that_never_rests_is_divided_only_so_far(slow: Model) -> None:
     values = {**slow.values("second_order"), "b": 0.0, "m": 1e-9}
     prepared = mass_under_forces.prepare(
-        values, grid((1.0,), False), np.zeros(ROWS), [load(spring_by_path, 1e3, 1)]
+        values, grid((1.0,), False), np.zeros(LEVELS), [load(spring_by_path, 1e3, 1)]
     )
     assert len(prepared.coefficients) == 2 + mass_under_forces.MOST_SUBSTEPS
 

@@ -11,7 +11,7 @@ from microgripper_control.bench import rig
 from microgripper_control.bench.growth import LINEAR, exponent
 from microgripper_control.bench.row import LONGER, Curve, Effort, Line, Measured, Row
 from microgripper_control.bench.timing import Contestant, Spread, take_turns
-from microgripper_control.core.signals import ROWS, VOLTAGE, Array
+from microgripper_control.core.signals import LEVELS, ROWS, VOLTAGE, Array
 from microgripper_control.effects.base import Load
 from microgripper_control.effects.registry import registry
 from microgripper_control.plant.chain import Chain
@@ -41,7 +41,7 @@ class Subject:
         if not loads or mechanics.solver is None:
             return cls(chain, chain.steps)
         values = model.values(mechanics.name)
-        solve = mechanics.solver.prepare(values, chain.timing, np.zeros(ROWS), loads)
+        solve = mechanics.solver.prepare(values, chain.timing, np.zeros(LEVELS), loads)
         return cls(chain, len(solve.coefficients) - 1 - len(loads))
 
     def contestant(self) -> Contestant:

@@ -19,8 +19,9 @@ import numpy as np
 
 from microgripper_control.core.compiled import compiled, inlined
 from microgripper_control.core.parameters import Parameter
-from microgripper_control.core.signals import FREE, HYSTERESIS, VOLTAGE, Array, Timing
+from microgripper_control.core.signals import FREE, GONE, HYSTERESIS, VOLTAGE, Array, Timing
 from microgripper_control.effects.base import Link, Prepared, Stage, Values
+from microgripper_control.effects.past import gone_since_turn
 
 LARGEST_CURVATURE = 0.03  # of one Runge-Kutta step: its error is then below 1e-8 of h
 SMALLEST_GROWTH = 0.15  # of |h|^n in one step, because |h|^n is not smooth at zero
@@ -135,9 +136,18 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     """State: the voltage and h so far. The hysteresis is rate-independent: the course is kept."""
     d = values["d"]
     row = (d, values["alpha"] * d, values["beta"], values["gamma"], values["n"])
-    levels[FREE] = d * levels[VOLTAGE] - levels[HYSTERESIS]
-    state = np.array([levels[VOLTAGE], levels[HYSTERESIS]])
+    h = levels[HYSTERESIS]
+    levels[FREE] = d * levels[VOLTAGE] - h
+    levels[GONE] = _gone(values, h)
+    state = np.array([levels[VOLTAGE], h])
     return Prepared(np.array([row]), state, timing.ramped)
+
+
+def _gone(values: Values, h: float) -> float:
+    """How far d u has gone since it turned, m; for n > 1 as if h were forgotten at one rate."""
+    beta, gamma = values["beta"], values["gamma"]
+    share = abs(h) ** (values["n"] - 1.0) / values["d"]
+    return gone_since_turn(h, values["alpha"], (share * (beta - gamma), share * (beta + gamma)))
 
 
 RATE_UNIT = "1/(V*m^(n-1))"

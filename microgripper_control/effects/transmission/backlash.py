@@ -20,9 +20,8 @@ import numpy as np
 from microgripper_control.core.compiled import compiled
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import quantity
-from microgripper_control.core.signals import HYSTERESIS, POSITION, Array, Timing
+from microgripper_control.core.signals import GONE, POSITION, Array, Timing
 from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
-from microgripper_control.effects.past import gone_since_turn
 
 SHORTEST = 1e-12  # of a step: T that counts as none
 SLOWEST = 0.3  # s, T at a play as wide as the stroke
@@ -80,8 +79,7 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     """At rest the finger is where x left it, coming from the side that h remembers."""
     half, level = values["play"] / 2.0, levels[POSITION]
     lag = values["slowness"] * values["play"]
-    gone = gone_since_turn(levels[HYSTERESIS])
-    levels[POSITION] = finger = level - min(max(gone, -half), half)
+    levels[POSITION] = finger = level - min(max(levels[GONE], -half), half)
     if lag == 0.0:
         return Prepared(np.array([[half]]), np.array([finger]), timing.ramped)
     rows = [(half, step / max(lag, SHORTEST * step)) for step in timing.steps]
