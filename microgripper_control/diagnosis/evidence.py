@@ -24,6 +24,7 @@ from microgripper_control.identification.nuisance import (
     BLOCKS,
     Conditions,
     Mask,
+    all_in_time,
     blocks,
     heldout_prediction,
 )
@@ -75,7 +76,7 @@ class Evidence:
                 )
         scales = measure(nominal, (*recordings, *heldout))
         used = _used(recordings, bool(heldout))
-        fitted = tuple(recordings)
+        fitted = all_in_time(nominal, recordings, conditions)
         judged = tuple(heldout) or fitted
         return cls(nominal, fitted, used, judged, _all(judged), conditions, bool(heldout), scales)
 

@@ -20,7 +20,12 @@ from microgripper_control.identification.determined import (
     free_parameters,
     variances,
 )
-from microgripper_control.identification.nuisance import Conditions, Nuisance, predict
+from microgripper_control.identification.nuisance import (
+    Conditions,
+    Nuisance,
+    all_in_time,
+    predict,
+)
 from microgripper_control.identification.problem import Problem
 from microgripper_control.identification.search import descend, simplex
 from microgripper_control.plant.model import Key, Model, Setting
@@ -59,7 +64,7 @@ def fit(
     _check(recordings)
     free, undetermined = free_parameters(model)
     static = tuple(key for key in free if key not in DYNAMIC)
-    problem = Problem(model, recordings, conditions, static)
+    problem = Problem(model, all_in_time(model, recordings, conditions), conditions, static)
     progress("simplex")
     z = simplex(problem)
     progress("trust-region reflective least squares")

@@ -8,7 +8,7 @@ exactly.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -212,6 +212,19 @@ def in_time(
     """A recording with the age of its first reading after a model whose sensor has a clock."""
     age, _ = late(model, recording, conditions, used, h).first_age(model.clock)
     return replace(recording, reading_age=age)
+
+
+def all_in_time(
+    model: Model, recordings: Sequence[Recording], conditions: Conditions
+) -> tuple[Recording, ...]:
+    """The same of all recordings; they are left as they are if the sensor has no clock."""
+    if model.clock == 0.0:
+        return tuple(recordings)
+    found = [fit_nuisance(model, recording, conditions) for recording in recordings]
+    return tuple(
+        replace(recording, reading_age=nuisance.reading_age)
+        for recording, nuisance in zip(recordings, found, strict=True)
+    )
 
 
 def middle_reading(recording: Recording, used: Mask) -> float:

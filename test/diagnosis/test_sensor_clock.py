@@ -9,6 +9,7 @@ from microgripper_control.core.recording import Recording
 from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.sensor_clock import on_its_clock
 from microgripper_control.diagnosis.trial import Trial
+from microgripper_control.identification.fit import fit
 from microgripper_control.identification.nuisance import (
     Conditions,
     blocks,
@@ -66,3 +67,12 @@ def test_a_clock_of_the_model_itself_is_read_in_time() -> None:
     recording = recorded(rig, 4)
     nuisance = fit_nuisance(rig, recording, Conditions(), blocks(len(recording), odd=True))
     assert nuisance.reading_age == pytest.approx(AGE * 7e-3, abs=0.2e-3)
+
+
+def test_a_model_with_a_clock_is_fitted_in_time() -> None:
+    lag = {"averaging": 10e-3, "time_constant": 0.0}
+    rig = nominal_model().with_link("sensor_lag", **lag, clock=7e-3)
+    strange = rig.with_values({("bouc_wen", "d"): 1.03 * rig.value("bouc_wen", "d")})
+    found = fit(strange, [recorded(rig, 5)], Conditions())
+    assert found.rmse[0] < 1.1 * NOISE
+    assert found.gain.value == pytest.approx(fit(rig, [recorded(rig, 5)]).gain.value, rel=1e-3)
