@@ -80,11 +80,8 @@ def _on_the_sensors_clock(
     bases: Sequence[Base], pool: Pool, progress: Progress, jobs: int
 ) -> Evidence:
     """The evidence, with the sensor's clock if lags leave one; they are then tried with it."""
-    alone = pool.best(1, len(pool.tried))
-    clocked = [trial for trial in alone if has_clock(trial)]
+    clocked = [trial for trial in pool.best(1, len(pool.tried)) if has_clock(trial)]
     if not clocked or not pool.leaves_more(clocked[0]):
-        return pool.evidence
-    if pool.closed(clocked[0]) < RIVAL * pool.closed(alone[0]):
         return pool.evidence
     evidence = on_its_clock(pool.evidence, clocked[0])
     if evidence is not pool.evidence:

@@ -26,6 +26,7 @@ FINER = 8  # places of the spectrum for each of its widths
 MULTIPLES = 6  # of the clock's rate that may be the strongest line
 PHASES = 16  # of a sawtooth, and first ages, that are tried
 RATES = 2  # conversions a sample, whole ones aside, that are looked at more closely
+SHOWN = 0.35  # of the error's power: what a sawtooth takes away of it where there is a clock
 FASTEST, SLOWEST = 12, 60  # conversions in a sample, samples in a conversion
 AHEAD = np.arange(-1.0, 1.6, 0.125)  # of the clock: what the lag may be too long by
 CLEAR = 0.8  # of what is left without a clock: where one leaves more, there is none
@@ -43,8 +44,12 @@ def on_its_clock(evidence: Evidence, trial: Trial) -> Evidence:
     `trial` explains it by a mean lag.
     """
     views = _views(evidence, trial)
+    rates = _rates(views)
+    shares = [max(_share(view, rate) for rate in rates) for view in views]
+    if np.mean(shares) < SHOWN:
+        return evidence
     telling = max(views, key=lambda view: float(np.std(view.error)))
-    clock, ahead = _clock(telling, _rates(views))
+    clock, ahead = _clock(telling, rates)
     if clock == 0.0:
         return evidence
     ages = [view.first_age(clock, ahead)[0] for view in views]
@@ -110,6 +115,12 @@ def _explained(view: Late, rate: float) -> float:
         beat = motion * (np.mod(phase + rate * samples, 1.0) - 0.5)
         best = max(best, float(beat @ error) ** 2 / float(beat @ beat))
     return best
+
+
+def _share(view: Late, rate: float) -> float:
+    """The same, of the error's power where the age of a reading shows most."""
+    error = view.error[view.telling]
+    return _explained(view, rate) / max(float(error @ error), 1e-300)
 
 
 def _clock(view: Late, rates: Sequence[float]) -> tuple[float, float]:
