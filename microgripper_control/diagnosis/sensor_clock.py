@@ -72,7 +72,7 @@ def _lines(views: Sequence[Late]) -> list[float]:
     size = 1 << int(FINER * longest).bit_length()
     power: Array = np.zeros(size // 2 + 1)
     for view in views:
-        beat = view.error * np.gradient(view.rows[0])
+        beat = view.error * view.motion
         power += np.abs(np.fft.rfft(beat, size)) ** 2 / max(float(beat @ beat), 1e-300)
     width = APART * size // longest
     power[:width] = 0.0  # the mean lag is not right
@@ -109,7 +109,7 @@ def _apart(rate: float, other: float) -> float:
 def _explained(view: Late, rate: float) -> float:
     """What power of a recording's error, m^2, its motion times a sawtooth takes away."""
     samples = view.telling
-    motion, error = np.gradient(view.rows[0])[samples], view.error[samples]
+    motion, error = view.motion[samples], view.error[samples]
     best = 0.0
     for phase in np.arange(PHASES) / PHASES:  # rising or, as its mirror image, falling
         beat = motion * (np.mod(phase + rate * samples, 1.0) - 0.5)

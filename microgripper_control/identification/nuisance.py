@@ -220,10 +220,9 @@ def all_in_time(
     """The same of all recordings; they are left as they are if the sensor has no clock."""
     if model.clock == 0.0:
         return tuple(recordings)
-    found = [fit_nuisance(model, recording, conditions) for recording in recordings]
     return tuple(
-        replace(recording, reading_age=nuisance.reading_age)
-        for recording, nuisance in zip(recordings, found, strict=True)
+        replace(one, reading_age=fit_nuisance(model, one, conditions).reading_age)
+        for one in recordings
     )
 
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from microgripper_control.core.signals import Array
 from microgripper_control.plant.model import Model
 
-DELAY = ("transport_delay", "delay")
+DELAY = "transport_delay"
 PARTS = 16  # of a sample, by which responses are late
 TELLING = 2000  # samples that are compared, those of the fastest motion
 AGES, ROUNDS = 32, 3  # first ages that are tried, and how often closer ones around the best
@@ -48,11 +48,10 @@ class Late:
         counted: NDArray[np.bool_],
     ) -> Late:
         """`respond` simulates a model, m, shape (n,); the sensor's clock is left out."""
-        link, name = DELAY
         model = model.unclocked()
-        delay = model.value(*DELAY) if link in model.settings else 0.0
+        delay = model.value(DELAY, "delay") if DELAY in model.settings else 0.0
         delays = [delay + part * sample_period / PARTS for part in range(PARTS)]
-        rows = [respond(model.with_link(link, **{name: one})) for one in delays]
+        rows = [respond(model.with_link(DELAY, delay=one)) for one in delays]
         return cls(np.array(rows), sample_period, measured, counted)
 
     @cached_property
@@ -62,11 +61,17 @@ class Late:
         return np.asarray(error - self.counted * np.mean(error[self.counted]))
 
     @cached_property
+    def motion(self) -> Array:
+        """How far a response that is not late goes in a sample period, m, shape (n,)."""
+        motion: Array = np.gradient(self.rows[0])
+        return motion
+
+    @cached_property
     def telling(self) -> Indices:
         """The samples, of those that count, at which the age of a reading shows most."""
         counted = np.flatnonzero(self.counted)
-        motion = np.abs(np.gradient(self.rows[0])[counted])
-        return np.sort(counted[np.argsort(-motion, kind="stable")[:TELLING]])
+        slowest_last = np.argsort(-np.abs(self.motion[counted]), kind="stable")
+        return np.sort(counted[slowest_last[:TELLING]])
 
     def left(self, clock: float, age: float, ahead: float = 0.0) -> float:
         """What ages leave of the telling samples, m rms, if the response came `ahead` s earlier."""

@@ -78,13 +78,15 @@ class Model:
     @property
     def clock(self) -> float:
         """Between conversions of a sensor with a clock of its own, s; 0 if it has none."""
-        clocked = (name for name in self.settings if registry()[name].clocked)
-        return max((self.value(name, "clock") for name in clocked), default=0.0)
+        return max((self.value(*key) for key in self._clocks), default=0.0)
 
     def unclocked(self) -> Model:
         """A copy whose sensor converts with every sample."""
-        clocked = (name for name in self.settings if registry()[name].clocked)
-        return self.with_values({(name, "clock"): 0.0 for name in clocked})
+        return self.with_values(dict.fromkeys(self._clocks, 0.0))
+
+    @property
+    def _clocks(self) -> list[Key]:
+        return [(name, "clock") for name in self.settings if registry()[name].clocked]
 
     @property
     def effects(self) -> tuple[str, ...]:
