@@ -27,6 +27,7 @@ from microgripper_control.nodes import qos, topics
 
 TAKE_PERIOD = 0.003  # s
 REMEMBERED = 20_000  # messages of a topic
+NUMBERED = 100_000  # messages of a topic whose numbers are remembered: all of a network's trials
 DIAGNOSTICS = "/diagnostics"
 WATCHED = (topics.VOLTAGE_COMMAND, topics.JOINT_STATES, topics.SETPOINT)
 CLOSE = 0.5e-6  # m; the setpoint is tracked
@@ -70,6 +71,11 @@ class Witness:
         course: Course = self._ask("since", topic, start)
         return course
 
+    def numbers(self, topic: str) -> dict[float, int]:
+        """The publisher's number of each message that has come, by its time of publication, s."""
+        numbers: dict[float, int] = self._ask("numbers", topic)
+        return numbers
+
     def health(self, name: str) -> dict[str, str]:
         """The values that a node last reported on `/diagnostics`."""
         values: dict[str, str] = self._ask("health", name)
@@ -111,6 +117,9 @@ class _Watching:
         self._courses: dict[str, deque[tuple[float, float]]] = {
             topic: deque(maxlen=REMEMBERED) for topic in watched
         }
+        self._numbers: dict[str, deque[tuple[float, int]]] = {
+            topic: deque(maxlen=NUMBERED) for topic in watched
+        }
         self._errors: deque[_Sample] = deque(maxlen=REMEMBERED)
         self._setpoint = 0.0
 
@@ -140,7 +149,11 @@ class _Watching:
             handle = subscription.handle
             with handle:
                 while (taken := handle.take_message(subscription.msg_type, False)) is not None:
-                    batch.append((taken[1]["source_timestamp"] * 1e-9, topic, taken[0]))
+                    message, info = taken
+                    at = info["source_timestamp"] * 1e-9
+                    batch.append((at, topic, message))
+                    if topic in self._numbers:
+                        self._numbers[topic].append((at, info["publication_sequence_number"]))
         for at, topic, message in sorted(batch, key=itemgetter(0)):
             self._note(at, topic, message)
 
@@ -170,6 +183,9 @@ class _Watching:
 
     def since(self, topic: str, start: float) -> Course:
         return [entry for entry in self._courses[topic] if entry[0] >= start]
+
+    def numbers(self, topic: str) -> dict[float, int]:
+        return dict(self._numbers[topic])
 
     def tracking_since(self, start: float) -> float | None:
         in_row: list[float] = []
