@@ -9,7 +9,7 @@ The link stands before slew limit and lag, which act on what the output stage is
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -21,6 +21,8 @@ from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Val
 
 OUT_OF_REACH = 1e4  # V
 SOFT = 0.02  # of the swing: softer bends are called so
+WIDEST = 0.15  # of the swing: the softest bend, which takes two thirds of it
+FELT = 3.0  # softnesses: a level further beyond the range in use does next to nothing
 
 
 @compiled
@@ -52,16 +54,25 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
 
 
 def starts(scales: Scales) -> Sequence[Values]:
-    """Each end of the range cut, and both, a little and much, hard and soft."""
+    """Each end of the range cut, and both, a little and much, hard and soft.
+
+    An end that is not cut stands where it is just felt: out of reach, no fit would find it.
+    """
     (low, high), swing = scales.voltage, scales.swing
-    off = {"low": -OUT_OF_REACH, "high": OUT_OF_REACH}
     found = []
     for cut in (0.0, 0.05, 0.15, 0.35):
-        ends = {"low": low + cut * swing, "high": high - cut * swing}
-        for levels in ({"low": ends["low"]}, {"high": ends["high"]}, ends):
-            for soft in (0.01 * swing, 0.05 * swing):
-                found.append(off | levels | {"low_softness": soft, "high_softness": soft})
+        for soft in (0.01 * swing, 0.05 * swing):
+            inside, beside = cut * swing, -FELT * soft
+            for at_low, at_high in ((inside, beside), (beside, inside), (inside, inside)):
+                ends = {"low": low + at_low, "high": high - at_high}
+                found.append(ends | {"low_softness": soft, "high_softness": soft})
     return found
+
+
+def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
+    """A bend over most of the swing is a gain that falls off, and no end of a range."""
+    softness = (0.0, WIDEST * scales.swing)
+    return {"low_softness": softness, "high_softness": softness}
 
 
 def says(values: Values, scales: Scales) -> str:
@@ -71,7 +82,7 @@ def says(values: Values, scales: Scales) -> str:
         ("low", "below", values["low"] - scales.voltage[0]),
     ):
         softness = values[f"{name}_softness"]
-        if over > -3.0 * softness:
+        if over > -FELT * softness:
             ends.append(f"{word} {quantity(values[name], 'V', 3)}")
             softest = max(softest, softness)
     soft = "softly " if softest > SOFT * scales.swing else ""
@@ -95,5 +106,6 @@ LINK = Link(
     prepare=prepare,
     kernel=kernel,
     starts=starts,
+    plausible=plausible,
     says=says,
 )

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from microgripper_control.core.signals import Array
+from microgripper_control.effects.base import Scales
+from microgripper_control.effects.drive.saturation import LINK, limited
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.simulate import Initial, simulate
 
@@ -79,3 +81,13 @@ def test_planted_levels_are_found(
         found, errors = recover(rig, "saturation", start, lively, 1e-3)
         assert np.all(np.abs(found - truth) < 4.0 * errors)
         assert np.all(errors < 0.15)
+
+
+def test_from_every_start_both_ends_are_felt() -> None:
+    """An end out of reach has no slope: a fit would leave it there."""
+    scales = Scales(1e-3, 10.0, (-20.0, 150.0), 1e4, (0.0, 1e-4), 5e7, 0.0038)
+    for values in LINK.starts(scales):
+        lowest = limited(-20.0, **values) + 20.0
+        highest = limited(150.0, **values) - 150.0
+        assert lowest > 0.01 * values["low_softness"]
+        assert highest < -0.01 * values["high_softness"]
