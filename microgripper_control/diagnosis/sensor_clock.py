@@ -45,6 +45,8 @@ def on_its_clock(evidence: Evidence, trial: Trial) -> Evidence:
     """
     views = _views(evidence, trial)
     rates = _rates(views)
+    if not rates:
+        return evidence
     shares = [max(_share(view, rate) for rate in rates) for view in views]
     if np.mean(shares) < SHOWN:
         return evidence
@@ -79,6 +81,8 @@ def _lines(views: Sequence[Late]) -> list[float]:
     found = []
     for _ in range(LINES):
         at = int(np.argmax(power))
+        if power[at] == 0.0:  # a short recording has room for few
+            break
         found.append(at / size)
         power[max(0, at - width) : at + width] = 0.0
     return found
@@ -113,7 +117,7 @@ def _explained(view: Late, rate: float) -> float:
     best = 0.0
     for phase in np.arange(PHASES) / PHASES:  # rising or, as its mirror image, falling
         beat = motion * (np.mod(phase + rate * samples, 1.0) - 0.5)
-        best = max(best, float(beat @ error) ** 2 / float(beat @ beat))
+        best = max(best, float(beat @ error) ** 2 / max(float(beat @ beat), 1e-300))
     return best
 
 

@@ -61,6 +61,15 @@ def test_without_a_clock_none_is_found() -> None:
     assert on_its_clock(evidence, trial) is evidence
 
 
+@pytest.mark.parametrize("samples", [40, 300])
+def test_few_samples_are_too_few_for_a_clock(samples: int) -> None:
+    whole = recorded(nominal_model().with_link("sensor_lag", averaging=5e-3, time_constant=0.0), 6)
+    voltage, displacement = whole.voltage[:samples], whole.measured[:samples]
+    short = Recording("short", PERIOD, voltage, displacement)
+    evidence, trial = explained_by_a_lag([short], 6e-3)
+    assert on_its_clock(evidence, trial) is evidence
+
+
 def test_a_clock_of_the_model_itself_is_read_in_time() -> None:
     lag = {"averaging": 10e-3, "time_constant": 0.0}
     rig = nominal_model().with_link("sensor_lag", **lag, clock=7e-3)
