@@ -21,6 +21,7 @@ from microgripper_control.identification.nuisance import Projection
 from microgripper_control.plant.model import Model
 
 RESCALED = 4  # guesses whose strength is corrected, and as many that are kept as they are
+OTHERS = 2  # kinds beside the best that are fitted from their best guess
 RIGHT = 0.05  # of its strength: a guess that is off by less is as strong as it should be
 STRONGEST = 30.0  # times, and weakest 1/30: the furthest correction
 IDLE = 1e-4  # of the gap's power: a guess that changes less is no start
@@ -45,7 +46,7 @@ def guesses(
     wanted: int,
     found_alone: Sequence[Values] = (),
 ) -> list[Guess]:
-    """First guesses of an effect: `wanted` of the best kind, and the best of another and a base.
+    """First guesses of an effect: `wanted` of the best kind, the best of others and of each base.
 
     What it was `found_alone` to be, beside no other effect, is one of them in any case.
     """
@@ -65,12 +66,18 @@ def guesses(
     found.sort(key=lambda guess: (guess.idle, guess.left))
     if not found:
         return []
-    kinds = [kind(guess.model, effect) for guess in found]
-    alike = [guess for guess, own in zip(found, kinds, strict=True) if own == kinds[0]]
-    other = [guess for guess, own in zip(found, kinds, strict=True) if own != kinds[0]]
+    kinds: dict[tuple[object, ...], list[Guess]] = {}
+    for guess in found:
+        kinds.setdefault(kind(guess.model, effect), []).append(guess)
+    alike, *others = kinds.values()
     firsts = {id(guess.base): guess for guess in reversed(found)}
     as_alone = [guess for guess in found if guess.model.values(effect) in found_alone]
-    chosen = [*alike[:wanted], *other[:1], *firsts.values(), *as_alone]
+    chosen = [
+        *alike[:wanted],
+        *(other[0] for other in others[:OTHERS]),
+        *firsts.values(),
+        *as_alone,
+    ]
     return [guess for guess in found if any(guess is one for one in chosen)]
 
 

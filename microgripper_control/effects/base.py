@@ -192,6 +192,7 @@ class Force:
     coefficients: Callable[[Values], Sequence[float]]
     stiffness: Callable[[Values], float]  # N/m, of the order of the largest: how fine the solve is
     states: int = 0
+    fading: bool = False  # whether its state goes with time and is as smooth as the motion
     brakes: bool = False  # whether its speed may count so much that it must be solved for
 
 

@@ -60,7 +60,8 @@ def prepare(values: Values, timing: Timing, levels: Array, loads: Sequence[Load]
         laws.append(_row([address, force.states, *force.coefficients(given)]))
     omega = natural_frequency(values, loads)
     substeps = []
-    divided = _divisions(values, omega, timing, carried > 0)
+    by_path = any(force.states and not force.fading for force, _ in loads)
+    divided = _divisions(values, omega, timing, by_path)
     for step, spans in zip(timing.steps, divided, strict=True):
         substeps += _substeps(values, omega, step, spans, timing.ramped)
     state = np.zeros(layout.CARRIED + 2 * carried)

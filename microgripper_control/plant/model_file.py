@@ -107,7 +107,10 @@ def _plain_setting(setting: Setting, unit: str) -> dict[str, Any]:
 
 
 def _link_settings(given: object, where: str, link: Link) -> dict[str, Setting]:
-    """A part of an effect that most rigs have not, such as a sensor's clock, may be left out."""
+    """A part of an effect that most rigs have not may be left out, and what only that part needs.
+
+    A sensor's clock is one; how an object relaxes that does not is another.
+    """
     known = tuple(p.name for p in link.parameters)
     found = {
         name: _setting(entry, f"{where}: {name}", link.parameter(name).unit)
@@ -116,6 +119,11 @@ def _link_settings(given: object, where: str, link: Link) -> dict[str, Setting]:
     for p in link.parameters:
         if not p.fitted and p.nominal == p.vanishing:
             found.setdefault(p.name, Setting(p.nominal))
+    values = {
+        p.name: found[p.name].value if p.name in found else p.nominal for p in link.parameters
+    }
+    for name in link.idle(values):
+        found.setdefault(name, Setting(link.parameter(name).nominal))
     return found
 
 

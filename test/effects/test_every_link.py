@@ -19,6 +19,7 @@ ADDED = [link for link in registry().values() if not link.nominal]
 every_link = pytest.mark.parametrize("link", ADDED, ids=lambda link: link.name)
 # Where a parameter matters only if another one, nominally zero, is not.
 SHOWING = {
+    "contact": {"relaxing": 0.5},
     "friction": {"distributed": 0.3},
     "restoring_force_hysteresis": {"distributed": 0.5},
     "rate_dependent_hysteresis": {"slope": 3e-8},
@@ -122,7 +123,7 @@ def test_it_depends_smoothly_on_what_is_fitted(
     for parameter in link.parameters:
         if not parameter.fitted or link.random:
             continue
-        value = parameter.nominal or parameter.high * 1e-6
+        value = parameter.nominal or parameter.high * 1e-4
 
         def moved(share: float, name: str = parameter.name, value: float = value) -> Array:
             changed = base.with_values({(link.name, name): value * (1.0 + share)})

@@ -173,3 +173,21 @@ def test_a_missing_file_and_a_folder_are_named(tmp_path: Path) -> None:
 def test_a_part_of_an_effect_that_most_rigs_have_not_may_be_left_out(tmp_path: Path) -> None:
     (tmp_path / "rig.yaml").write_text(SOUND, encoding="utf-8")
     assert load_model(tmp_path / "rig.yaml").value("transport_delay", "clock") == 0.0
+
+
+def test_so_may_what_only_such_a_part_needs(tmp_path: Path) -> None:
+    rigid = """
+  contact:
+    position: {value: 1.0e-05, unit: m}
+    stiffness: {value: 2.0e+06, unit: N/m}
+    exponent: {value: 1.0, unit: '1'}
+    damping: {value: 0.0, unit: s/m}
+    side: {value: 1.0, unit: '1'}
+"""
+    path = tmp_path / "rig.yaml"
+    path.write_text(SOUND.rstrip() + rigid, encoding="utf-8")
+    assert load_model(path).values("contact")["relaxing"] == 0.0
+    soft = rigid + "    relaxing: {value: 1.0, unit: '1'}\n"
+    path.write_text(SOUND.rstrip() + soft, encoding="utf-8")
+    with pytest.raises(MicrogripperError, match=r"contact: .*stiffening"):
+        load_model(path)

@@ -108,6 +108,51 @@ def test_it_meets_an_integrator(
     assert max(agreement(model, LINK, values, force, 0)) < tolerance
 
 
+@pytest.mark.parametrize("relaxation", [0.02, 0.2])
+@pytest.mark.parametrize(("rig", "tolerance"), [("paper", 2e-2), ("slow", 2e-3)])
+def test_a_soft_object_meets_an_integrator(
+    rig: str,
+    tolerance: float,
+    relaxation: float,
+    agreement: Callable[..., list[float]],
+    request: pytest.FixtureRequest,
+) -> None:
+    model: Model = request.getfixturevalue(rig)
+    values = {"position": POSITION, "stiffness": 0.05 * model.value("second_order", "k")}
+    values |= {"relaxing": 1.0, "stiffening": 1.5}
+    values |= {"fastest": 0.5 * relaxation, "slowest": relaxation}
+
+    def force(x: float, v: float, own: Array) -> tuple[float, list[float]]:
+        push = values["stiffness"] * max(0.0, x - POSITION)
+        slow = 0.5 * (own[0] + own[1])
+        rates = [(push - own[0]) / values["fastest"], (push - own[1]) / values["slowest"]]
+        return -max(0.0, push + values["stiffening"] * (push - slow)), rates
+
+    assert max(agreement(model, LINK, values, force, 2)) < tolerance
+
+
+def test_a_soft_object_gives_way_as_a_standard_linear_solid(paper: Model) -> None:
+    """Under a force that stays it creeps, slower than it relaxes in a place that stays."""
+    k, d = paper.value("second_order", "k"), paper.value("bouc_wen", "d")
+    stiff, soft, stiffening, relaxation = k + paper.value("second_order", "k_s"), 0.1 * k, 3.0, 0.05
+    model = linear_rig(paper).with_link(
+        LINK,
+        position=0.0,
+        stiffness=soft,
+        relaxing=1.0,
+        stiffening=stiffening,
+        fastest=relaxation,
+        slowest=relaxation,
+    )
+    x = simulate(model, np.full(600, 100.0), 1e-3)
+    fast = stiff + soft * (1.0 + stiffening)
+    slow = stiff + soft
+    time = 1e-3 * np.arange(600)
+    creeping = 1.0 / slow + (1.0 / fast - 1.0 / slow) * np.exp(-time / relaxation * slow / fast)
+    settled = time > 0.02
+    np.testing.assert_allclose(x[settled], (k * d * 100.0 * creeping)[settled], rtol=1e-3)
+
+
 @pytest.mark.parametrize("exponent", [1.0, 1.5])
 def test_planted_values_are_found(
     paper: Model, lively: Array, recover: Callable[..., tuple[Array, Array]], exponent: float
@@ -117,3 +162,16 @@ def test_planted_values_are_found(
     found, errors = recover(rig, LINK, {"position": 1.3e-5, "stiffness": 1e6}, lively, 1e-3)
     assert np.all(np.abs(found - truth) < 4.0 * errors)
     assert np.all(errors < 0.03 * truth)
+
+
+def test_planted_values_of_a_soft_object_are_found(
+    paper: Model, lively: Array, recover: Callable[..., tuple[Array, Array]]
+) -> None:
+    truth = {"position": 1.12e-5, "stiffness": 2.7e6, "stiffening": 0.8}
+    truth |= {"fastest": 0.005, "slowest": 0.05}
+    rig = paper.with_link(LINK, **truth, relaxing=1.0)
+    start = {"position": 1.3e-5, "stiffness": 1e6, "stiffening": 0.3}
+    start |= {"fastest": 0.01, "slowest": 0.03}
+    found, errors = recover(rig, LINK, start, lively, 1e-3)
+    assert np.all(np.abs(found - list(truth.values())) < 4.0 * errors)
+    assert np.all(errors < 0.1 * np.array(list(truth.values())))
