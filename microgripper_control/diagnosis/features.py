@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import lfilter
 
-from microgripper_control.core.signals import POSITION, ROWS, Array
+from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.residuals import Residual
-from microgripper_control.effects.registry import registry
+from microgripper_control.effects.transmission.backlash import played
 
 TAPS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 18, 22, 27, 33, 40)  # samples
 WINDOWS = 12  # from LEAST_WINDOW samples to LONGEST_WINDOW of a recording
@@ -55,7 +55,7 @@ def features(residual: Residual, frame: Frame) -> tuple[Array, ...]:
         _by_rate(v, x, windows, residual.period),
     ]
     for signal in (v, x):
-        plays = [_play(signal, 2.0 * width) for width in WIDTHS]
+        plays = [played(signal, 2.0 * width) for width in WIDTHS]
         groups.append([signal**power for power in (1, 2, 3)])
         groups.append([np.maximum(signal - bend, 0.0) for bend in np.linspace(-0.8, 0.8, BENDS)])
         groups.append([signal - play for play in plays])
@@ -97,12 +97,3 @@ def _smooth(signal: Array, samples: float) -> Array:
     start = np.array([decay * signal[0]])
     smoothed: Array = lfilter([1.0 - decay], [1.0, -decay], signal, zi=start)[0]
     return smoothed
-
-
-def _play(signal: Array, width: float) -> Array:
-    """The signal behind a play, by the library's own operator."""
-    bus = np.zeros((ROWS, len(signal)))
-    bus[POSITION] = signal
-    registry()["backlash"].kernel(np.array([[width / 2.0]]), np.array([signal[0]]), bus)
-    played: Array = bus[POSITION]
-    return played

@@ -107,7 +107,7 @@ def _plain_setting(setting: Setting, unit: str) -> dict[str, Any]:
 
 
 def _link_settings(given: object, where: str, link: Link) -> dict[str, Setting]:
-    """A part of an effect that most rigs have not may be left out, and what only that part needs.
+    """What an effect is nominally without may be left out, and what only such a part needs.
 
     A sensor's clock is one; how an object relaxes that does not is another.
     """
@@ -117,7 +117,7 @@ def _link_settings(given: object, where: str, link: Link) -> dict[str, Setting]:
         for name, entry in _mapping(given, where, known).items()
     }
     for p in link.parameters:
-        if not p.fitted and p.nominal == p.vanishing:
+        if p.nominal == 0.0 and not (p.fitted and p.vanishing == 0.0):
             found.setdefault(p.name, Setting(p.nominal))
     values = {
         p.name: found[p.name].value if p.name in found else p.nominal for p in link.parameters

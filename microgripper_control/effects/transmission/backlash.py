@@ -1,12 +1,16 @@
 """Play between actuator and finger, which may follow the flanks of the gap with a lag.
 
-    T x_f' = dead(x - x_f),        T = slowness play,        dead(e) = e - min(max(e, -h), h)
+    x_f = mean of x_i,   T x_i' = dead(x - x_i, h_i),   dead(e, h) = e - min(max(e, -h), h),
+    2 h_i = play (1 - spread i / (N - 1)),   i = 0 .. N - 1;        T = slowness play
 
-with h half the play. The finger rests until one flank of the gap reaches it. At slowness 0 it then
-moves with that flank: x_f = min(max(x_f before, x - h), x + h), the play operator, which depends on
-the course of x and not on its speed. Else a contact with stiffness k pushes a finger that viscous
+At spread 0 that is one gap: the finger rests until a flank reaches it. At slowness 0 it then moves
+with that flank: x_f = min(max(x_f before, x - h), x + h), the play operator, which depends on the
+course of x and not on its speed. Else a contact with stiffness k pushes a finger that viscous
 friction c holds, T = c / k: it trails behind the flank, and comes to rest at it some T after x has.
 T is told per play, so that it goes with it: without play this is no lag of a sensor.
+
+With spread the gap is taken up bit by bit, as where pins of a linkage are not worn alike, or the
+flanks are soft.
 
 A run begins with the finger at the flank that pushed it last, as h remembers; without h, in the
 middle of the gap. x is taken as straight between the internal steps, and followed exactly.
@@ -19,12 +23,15 @@ import numpy as np
 
 from microgripper_control.core.compiled import compiled
 from microgripper_control.core.parameters import Parameter
-from microgripper_control.core.quantities import quantity
-from microgripper_control.core.signals import GONE, POSITION, Array, Timing
+from microgripper_control.core.quantities import percent, quantity
+from microgripper_control.core.signals import GONE, POSITION, ROWS, Array, Timing
 from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
 
+PINS = 6  # N
 SHORTEST = 1e-12  # of a step: T that counts as none
+FOLLOWING = ((0.001, 0.0), (0.001, 0.5), (0.03, 0.0), (0.1, 0.0), (0.3, 0.0), (1.0, 0.0))
 SLOWEST = 0.3  # s, T at a play as wide as the stroke
+BARELY = 0.1  # a smaller spread is not spoken of
 SHOWN = 0.05  # of a sample period: a shorter T is not spoken of
 
 
@@ -49,50 +56,67 @@ def _trail(e: float, way: float, rate: float, half: float) -> float:
 
 
 @compiled
+def _pushed(finger: float, old: float, x: float, rate: float, half: float) -> float:
+    """Where a finger is after x has gone from old to x; at rate 0 it does not trail."""
+    if rate == 0.0:
+        return min(max(finger, x - half), x + half)
+    if x >= old:
+        return x - _trail(old - finger, x - old, rate, half)
+    return x + _trail(finger - old, old - x, rate, half)
+
+
+@compiled
 def kernel(coefficients: Array, state: Array, bus: Array) -> None:
-    """State: position of the finger and, if it trails, x so far. A row: half, then step/T."""
-    finger = state[0]
-    steps = coefficients.shape[0]
-    if coefficients.shape[1] == 1:
-        half = coefficients[0, 0]
-        for j in range(bus.shape[1]):
-            x = bus[POSITION, j]
-            finger = min(max(finger, x - half), x + half)
-            bus[POSITION, j] = finger
-    else:
-        old, row = state[1], 0
-        for j in range(bus.shape[1]):
-            c = coefficients[row]
-            x = bus[POSITION, j]
-            if x >= old:
-                finger = x - _trail(old - finger, x - old, c[1], c[0])
-            else:
-                finger = x + _trail(finger - old, old - x, c[1], c[0])
-            old = x
-            bus[POSITION, j] = finger
-            row = row + 1 if row + 1 < steps else 0
-        state[1] = old
-    state[0] = finger
+    """State: x so far, then where each pin is. A row: step/T, then half of each play."""
+    steps, row = coefficients.shape[0], 0
+    pins = coefficients.shape[1] - 1
+    old = state[0]
+    for j in range(bus.shape[1]):
+        c = coefficients[row]
+        x = bus[POSITION, j]
+        total = 0.0
+        for i in range(1, 1 + pins):
+            state[i] = _pushed(state[i], old, x, c[0], c[i])
+            total += state[i]
+        old = x
+        bus[POSITION, j] = total / pins
+        row = row + 1 if row + 1 < steps else 0
+    state[0] = old
 
 
 def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     """At rest the finger is where x left it, coming from the side that h remembers."""
-    half, level = values["play"] / 2.0, levels[POSITION]
+    halves, level = 0.5 * plays(values), levels[POSITION]
     lag = values["slowness"] * values["play"]
-    levels[POSITION] = finger = level - min(max(levels[GONE], -half), half)
-    if lag == 0.0:
-        return Prepared(np.array([[half]]), np.array([finger]), timing.ramped)
-    rows = [(half, step / max(lag, SHORTEST * step)) for step in timing.steps]
-    return Prepared(np.array(rows), np.array([finger, level]), timing.ramped)
+    pins = level - np.clip(levels[GONE], -halves, halves)
+    levels[POSITION] = np.mean(pins)
+    rates = [step / max(lag, SHORTEST * step) for step in timing.steps] if lag else [0.0]
+    rows = [(rate, *halves) for rate in rates]
+    return Prepared(np.array(rows), np.array([level, *pins]), timing.ramped)
+
+
+def played(x: Array, play: float) -> Array:
+    """What is behind a play, m, of a motion, m, shape (n,), that begins in the middle of it."""
+    bus = np.zeros((ROWS, len(x)))
+    bus[POSITION] = x
+    kernel(np.array([[0.0, play / 2.0]]), np.array([x[0], x[0]]), bus)
+    return np.asarray(bus[POSITION])
+
+
+def plays(values: Values) -> Array:
+    """The gap of each pin, m."""
+    if values["spread"] == 0.0:
+        return np.array([values["play"]])
+    return np.asarray(values["play"] * (1.0 - values["spread"] * np.linspace(0.0, 1.0, PINS)))
 
 
 def starts(scales: Scales) -> Sequence[Values]:
-    """Small and large shares of the stroke, followed as good as at once or more and more slowly."""
+    """Small and large shares of the stroke, followed at once, bit by bit, or ever more slowly."""
     slowest = SLOWEST / scales.stroke
     return [
-        {"play": share * scales.stroke, "slowness": slowness * slowest}
+        {"play": share * scales.stroke, "slowness": slowness * slowest, "spread": spread}
         for share in (0.002, 0.01, 0.04)
-        for slowness in (0.001, 0.03, 0.1, 0.3, 1.0)
+        for slowness, spread in FOLLOWING
     ]
 
 
@@ -103,6 +127,8 @@ def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
 
 def says(values: Values, scales: Scales) -> str:
     text = f"there is play between actuator and finger: {quantity(values['play'], 'm')}"
+    if values["spread"] > BARELY:
+        text += f", taken up over {percent(values['spread'])} of it"
     lag = values["slowness"] * values["play"]
     if lag < SHOWN * scales.sample_period:
         return text
@@ -117,6 +143,7 @@ LINK = Link(
     source="Krasnosel'skii and Pokrovskii 1989 (play); Nordin, Galic, Gutman 1997 (trailing)",
     parameters=(
         Parameter("play", "m", 2e-7, 0.0, 1e-2, "width of the gap", 0.0),
+        Parameter("spread", "1", 0.0, 0.0, 1.0, "share of the gap over which it is taken up"),
         Parameter("slowness", "s/m", 0.0, 0.0, 1e6, "time constant of following, per play"),
     ),
     prepare=prepare,

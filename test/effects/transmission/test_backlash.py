@@ -12,6 +12,7 @@ from scipy.integrate import solve_ivp
 from microgripper_control.core.signals import POSITION, Array
 from microgripper_control.effects.base import Scales
 from microgripper_control.effects.registry import link_named
+from microgripper_control.effects.transmission.backlash import PINS
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.simulate import Hold, Initial, simulate
 
@@ -199,5 +200,41 @@ def test_it_says_what_it_found() -> None:
     scales = Scales(1e-3, 10.0, (0.0, 160.0), 1e3, (0.0, 2e-5), 1e7, 0.0038)
     says = link_named("backlash").says
     assert says is not None
-    assert says({"play": 2.1e-7, "slowness": 0.0}, scales).endswith("finger: 210 nm")
-    assert says({"play": 2e-7, "slowness": 1e4}, scales).endswith("a time constant of 2.0 ms")
+    assert says({"play": 2.1e-7, "spread": 0.0, "slowness": 0.0}, scales).endswith("finger: 210 nm")
+    slow = {"play": 2e-7, "spread": 0.6, "slowness": 1e4}
+    assert "200 nm, taken up over 60 % of it" in says(slow, scales)
+    assert says(slow, scales).endswith("a time constant of 2.0 ms")
+
+
+@pytest.mark.parametrize("slowness", [0.0, 2e3])
+def test_a_gap_that_is_taken_up_bit_by_bit_is_many_gaps(
+    alone: Alone, wander: Array, slowness: float
+) -> None:
+    spread = 0.7
+    values = {"play": PLAY, "spread": spread, "slowness": slowness}
+    found = alone("backlash", values, wander, STEPS, row=POSITION, ramped=True)
+    gaps = PLAY * (1.0 - spread * np.arange(PINS) / (PINS - 1))
+    each = [trailed(alone, wander, slowness * PLAY, gap) for gap in gaps]
+    np.testing.assert_allclose(found, np.mean(each, axis=0), atol=1e-12 * PLAY)
+
+
+def test_after_a_turn_it_follows_the_more_the_further_it_has_gone(alone: Alone) -> None:
+    """At rest within the narrowest gap, as x itself beyond the widest."""
+    x = np.append(np.linspace(0.0, 5e-6, 500), np.linspace(5e-6, 0.0, 5001))
+    values = {"play": PLAY, "spread": 0.5, "slowness": 0.0}
+    out = alone("backlash", values, x, (1e-3,), row=POSITION, ramped=True)
+    slope = np.diff(out[500:]) / np.diff(x[500:])
+    back = (5e-6 - x[500:])[1:]
+    np.testing.assert_allclose(slope[back < 0.49 * PLAY], 0.0, atol=1e-9)
+    np.testing.assert_allclose(slope[back > 1.01 * PLAY], 1.0, rtol=1e-6)
+    assert np.all(np.diff(slope) > -1e-6)
+
+
+def test_a_planted_spread_is_found(
+    paper: Model, lively: Array, recover: Callable[..., tuple[Array, Array]]
+) -> None:
+    truth = {"play": 3e-7, "spread": 0.6}
+    rig = paper.with_link("backlash", **truth)
+    found, errors = recover(rig, "backlash", {"play": 2e-7, "spread": 0.3}, lively, 1e-3)
+    assert np.all(np.abs(found - list(truth.values())) < 4.0 * errors)
+    assert np.all(errors < 0.1 * np.array(list(truth.values())))
