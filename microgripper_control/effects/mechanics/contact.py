@@ -12,11 +12,11 @@ the depth: the force is continuous at the touch and never pulls. Theirs is 3/2 (
 over the speed of the impact, so the force is never more than 5/2 of that at rest; nor is it here,
 however fast a step of the voltage throws the mass.
 
-A soft object is `relaxing`, 1 for 0: pressed fast it pushes back the more, gives way in a while,
-and takes that while to come back when it is let go. That is a spring with Maxwell elements beside
-it: with one the standard linear solid (Zener 1948); two also pass for the many that real matter
-has. `stiffness` is what slow pressing finds. Where it relaxes within few samples the law is a rough
-one.
+A soft object relaxes (`relaxing` 1, else 0): pressed fast it pushes back the more, gives way in a
+while, and takes that while to come back when it is let go. That is a spring with Maxwell elements
+beside it: with one the standard linear solid (Zener 1948); two also pass for the many that real
+matter has. `stiffness` is what slow pressing finds. Where it relaxes within few samples the law is
+a rough one.
 """
 
 import math

@@ -29,8 +29,9 @@ from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Val
 
 PINS = 6  # N
 SHORTEST = 1e-12  # of a step: T that counts as none
-FOLLOWING = ((0.001, 0.0), (0.001, 0.5), (0.03, 0.0), (0.1, 0.0), (0.3, 0.0), (1.0, 0.0))
 SLOWEST = 0.3  # s, T at a play as wide as the stroke
+# First guesses: how slowly the finger follows, as a share of that, and over what spread.
+FOLLOWING = ((0.001, 0.0), (0.001, 0.5), (0.03, 0.0), (0.1, 0.0), (0.3, 0.0), (1.0, 0.0))
 BARELY = 0.1  # a smaller spread is not spoken of
 SHOWN = 0.05  # of a sample period: a shorter T is not spoken of
 
