@@ -89,7 +89,7 @@ def _lines(views: Sequence[Late]) -> list[float]:
 
 
 def _rates(views: Sequence[Late]) -> list[float]:
-    """The likeliest conversions a sample, whole ones aside, and their mirror images."""
+    """The likeliest conversions a sample, whole ones aside; a mirror image explains as much."""
     width = 1.0 / max(len(view.error) for view in views)
     rates = [
         (fold + line) / multiple
@@ -102,7 +102,7 @@ def _rates(views: Sequence[Late]) -> list[float]:
     for rate in rates:
         if len(found) < RATES and all(_apart(rate, other) > width for other in found):
             found.append(rate)
-    return [image for rate in found for image in (rate, 1.0 - rate)]
+    return found
 
 
 def _apart(rate: float, other: float) -> float:
@@ -130,12 +130,13 @@ def _share(view: Late, rate: float) -> float:
 def _clock(view: Late, rates: Sequence[float]) -> tuple[float, float]:
     """The clock that leaves least of a recording, and by how much the lag is then too long, s.
 
-    Zeros if none leaves clearly less than there is.
+    Each rate may be its mirror image. Zeros if none leaves clearly less than there is.
     """
+    images = [image for rate in rates for image in (rate, 1.0 - rate)]
     clocks = [
-        view.sample_period / (rate + whole)
-        for rate, whole in product(rates, range(FASTEST))
-        if rate + whole > 1.0 / SLOWEST
+        view.sample_period / (image + whole)
+        for image, whole in product(images, range(FASTEST))
+        if image + whole > 1.0 / SLOWEST
     ]
     looked = []
     for clock in clocks:

@@ -116,14 +116,13 @@ def _link_settings(given: object, where: str, link: Link) -> dict[str, Setting]:
         name: _setting(entry, f"{where}: {name}", link.parameter(name).unit)
         for name, entry in _mapping(given, where, known).items()
     }
+    values = {p.name: p.nominal for p in link.parameters}
+    values |= {name: setting.value for name, setting in found.items()}
+    unused = link.idle(values)
     for p in link.parameters:
-        if p.nominal == 0.0 and not (p.fitted and p.vanishing == 0.0):
-            found.setdefault(p.name, Setting(p.nominal))
-    values = {
-        p.name: found[p.name].value if p.name in found else p.nominal for p in link.parameters
-    }
-    for name in link.idle(values):
-        found.setdefault(name, Setting(link.parameter(name).nominal))
+        without = p.nominal == 0.0 and not (p.fitted and p.vanishing == 0.0)
+        if p.name not in found and (without or p.name in unused):
+            found[p.name] = Setting(p.nominal)
     return found
 
 

@@ -17,6 +17,7 @@ from scipy.signal import lfilter
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.findings import PARAMETERS
 from microgripper_control.effects.registry import registry
+from microgripper_control.effects.transmission.backlash import played
 from microgripper_control.examination.beside.evidence import Begun, Rest, rmse_without
 
 THRESHOLD = 0.1  # of the residual: a term that contributes less is dropped, as pysindy's default
@@ -86,14 +87,9 @@ def _hum(frequency: float, shift: float) -> Term:
     return lambda s: np.sin(2.0 * np.pi * (frequency * s.time + shift))
 
 
-def _play(s: Signals, width: float = 0.02) -> Array:
+def _play(s: Signals, width: float = 0.04) -> Array:
     """x less x behind a play."""
-    out = np.empty_like(s.x)
-    held = float(s.x[0])
-    for i, value in enumerate(s.x.tolist()):
-        held = min(max(held, value - width), value + width)
-        out[i] = value - held
-    return out
+    return s.x - played(s.x, width)
 
 
 # Each effect's terms; a mean and a slope over u stay out: the refit has had those.
