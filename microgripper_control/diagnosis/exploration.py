@@ -10,8 +10,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from microgripper_control.diagnosis.attempt import behind
+from microgripper_control.diagnosis.clocked_lags import on_the_sensors_clock
 from microgripper_control.diagnosis.evidence import Evidence
-from microgripper_control.diagnosis.fitting import Base, base_of
+from microgripper_control.diagnosis.fitting import base_of
 from microgripper_control.diagnosis.part import (
     POLISHED,
     is_dear,
@@ -25,9 +26,9 @@ from microgripper_control.diagnosis.pool import Pool, is_read_off
 from microgripper_control.diagnosis.resettling import again_if_settled
 from microgripper_control.diagnosis.residuals import fitted_residuals
 from microgripper_control.diagnosis.rounds import Progress, play, silent
-from microgripper_control.diagnosis.sensor_clock import has_clock, on_its_clock
 from microgripper_control.diagnosis.signatures import signatures
 from microgripper_control.diagnosis.trial import Trial
+from microgripper_control.effects.registry import registry
 
 MOST_EFFECTS = 3
 BEAM = 2  # explanations that a further effect is added to
@@ -58,10 +59,11 @@ def explore(
     bases = [base_of(evidence, trial) for trial in (refit, *others, far)]
     # From cheap to dear: a look is enough at what costs more and has nothing left to explain.
     dear = [name for name in names if is_dear_with(evidence, refit, name)]
-    light = [n for n in names if not is_force(n) and is_light_with(evidence, refit, n)]
-    play(evidence, bases, light, len(light), pool, progress, jobs)
-    evidence = _on_the_sensors_clock(bases, pool, progress, jobs)
-    for some in ([name for name in names if name not in (*light, *dear)], dear):
+    first = [n for n in names if _is_first(n, evidence, refit)]
+    play(evidence, bases, first, len(first), pool, progress, jobs)
+    pool = on_the_sensors_clock(bases, pool, progress, jobs)
+    evidence = pool.evidence
+    for some in ([name for name in names if name not in (*first, *dear)], dear):
         play(evidence, bases, some, len(some), pool, progress, jobs)
     pool = again_if_settled(pool, jobs)
     fitted = [name for name in names if not is_read_off(name)]
@@ -76,19 +78,11 @@ def explore(
     return pool
 
 
-def _on_the_sensors_clock(
-    bases: Sequence[Base], pool: Pool, progress: Progress, jobs: int
-) -> Evidence:
-    """The evidence, with the sensor's clock if lags leave one; they are then tried with it."""
-    clocked = [trial for trial in pool.best(1, len(pool.tried)) if has_clock(trial)]
-    if not clocked or not pool.leaves_more(clocked[0]):
-        return pool.evidence
-    evidence = on_its_clock(pool.evidence, clocked[0])
-    if evidence is not pool.evidence:
-        pool.evidence = evidence
-        names = [name for trial in clocked for name in trial.effects if name not in pool.own]
-        play(evidence, bases, names, len(names), pool, progress, jobs)
-    return evidence
+def _is_first(name: str, evidence: Evidence, refit: Trial) -> bool:
+    """Whether an effect is tried before others: it is cheap, or may show the sensor's clock."""
+    if registry()[name].clocked:
+        return True
+    return not is_force(name) and is_light_with(evidence, refit, name)
 
 
 def _worth_joining(pool: Pool, size: int) -> bool:

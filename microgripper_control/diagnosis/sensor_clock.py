@@ -10,8 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import minimize, minimize_scalar
 
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.evidence import Evidence
@@ -30,7 +32,10 @@ SHOWN = 0.35  # of the error's power: what a sawtooth takes away of it where the
 FASTEST, SLOWEST = 12, 60  # conversions in a sample, samples in a conversion
 AHEAD = np.arange(-1.0, 1.6, 0.125)  # of the clock: what the lag may be too long by
 CLEAR = 0.8  # of what is left without a clock: where one leaves more, there is none
-BEST = 8  # clocks whose first age is looked for more closely
+NEARBY = 0.1  # of the clock, or a conversion in a recording: how far a closer clock is looked for
+BEST = 8  # clocks that are looked for more closely,
+LIKELY = 3  # and that are tried: how long a lag is without a clock misleads,
+AS_LIKELY = 1.25  # if they leave no more than so many times what the best leaves
 
 
 def has_clock(trial: Trial) -> bool:
@@ -38,24 +43,47 @@ def has_clock(trial: Trial) -> bool:
     return any(registry()[name].clocked for name in trial.effects)
 
 
-def on_its_clock(evidence: Evidence, trial: Trial) -> Evidence:
-    """The evidence with the sensor's clock and the ages of readings; as it is if there is none.
+def on_its_clocks(evidence: Evidence, trial: Trial) -> list[tuple[Evidence, float]]:
+    """The evidence with each likely clock of the sensor and the ages of readings.
 
-    `trial` explains it by a mean lag.
+    `trial` explains it by a mean lag; with each comes by how much that is then too long, s.
     """
     views = _views(evidence, trial)
     rates = _rates(views)
     if not rates:
-        return evidence
+        return []
     shares = [max(_share(view, rate) for rate in rates) for view in views]
     if np.mean(shares) < SHOWN:
-        return evidence
-    telling = max(views, key=lambda view: float(np.std(view.error)))
-    clock, ahead = _clock(telling, rates)
-    if clock == 0.0:
-        return evidence
-    ages = [view.first_age(clock, ahead)[0] for view in views]
-    return evidence.clocked(clock, ages)
+        return []
+    return [
+        (_timed(evidence, views, found), found.ahead) for found in _clocks(_telling(views), rates)
+    ]
+
+
+def retimed(evidence: Evidence, trial: Trial) -> Evidence:
+    """The evidence with a closer clock and closer ages, from an explanation that has the clock."""
+    views = _views(evidence, trial)
+    telling, clock = _telling(views), evidence.scales.clock
+    age, left = telling.first_age(clock)
+    return _timed(evidence, views, _closer(telling, Reading(left, clock, age, 0.0)))
+
+
+class Reading(NamedTuple):
+    """What a clock leaves of a recording, m rms, and with what first age and lag, s."""
+
+    left: float
+    clock: float
+    age: float
+    ahead: float  # by how much the lag is too long
+
+
+def _telling(views: Sequence[Late]) -> Late:
+    return max(views, key=lambda view: float(np.std(view.error)))
+
+
+def _timed(evidence: Evidence, views: Sequence[Late], found: Reading) -> Evidence:
+    ages = [view.first_age(found.clock, found.ahead)[0] for view in views]
+    return evidence.clocked(found.clock, ages)
 
 
 def _views(evidence: Evidence, trial: Trial) -> list[Late]:
@@ -127,10 +155,10 @@ def _share(view: Late, rate: float) -> float:
     return _explained(view, rate) / max(float(error @ error), 1e-300)
 
 
-def _clock(view: Late, rates: Sequence[float]) -> tuple[float, float]:
-    """The clock that leaves least of a recording, and by how much the lag is then too long, s.
+def _clocks(view: Late, rates: Sequence[float]) -> list[Reading]:
+    """The clocks that leave least of a recording, of those that leave clearly less than none does.
 
-    Each rate may be its mirror image. Zeros if none leaves clearly less than there is.
+    Each rate may be its mirror image.
     """
     images = [image for rate in rates for image in (rate, 1.0 - rate)]
     clocks = [
@@ -141,10 +169,31 @@ def _clock(view: Late, rates: Sequence[float]) -> tuple[float, float]:
     looked = []
     for clock in clocks:
         tried = product(np.arange(PHASES) * clock / PHASES, AHEAD * clock)
-        looked.append((*min((view.left(clock, a, ahead), ahead) for a, ahead in tried), clock))
-    closer = [
-        (view.first_age(clock, ahead)[1], ahead, clock) for _, ahead, clock in sorted(looked)[:BEST]
-    ]
-    left, ahead, clock = min(closer)
-    without = min(view.left_without((share - 0.5) * clock) for share in AHEAD.tolist())
-    return (clock, ahead) if left < CLEAR * without else (0.0, 0.0)
+        looked.append(
+            min(Reading(view.left(clock, a, ahead), clock, a, ahead) for a, ahead in tried)
+        )
+    closer = sorted(_closer(view, reading) for reading in sorted(looked)[:BEST])
+    most = min(CLEAR * _left_without(view, closer[0]), AS_LIKELY * closer[0].left)
+    return [reading for reading in closer[:LIKELY] if reading.left < most]
+
+
+def _left_without(view: Late, reading: Reading) -> float:
+    """What readings that are all as old as those of a clock on average leave, m rms."""
+    mean = reading.ahead - 0.5 * reading.clock
+    bounds = mean - reading.clock, mean + reading.clock
+    return float(minimize_scalar(view.left_without, bounds=bounds, method="bounded").fun)
+
+
+def _closer(view: Late, reading: Reading) -> Reading:
+    """A reading near another that leaves less."""
+    drift = reading.clock**2 / view.duration  # of the clock, by one conversion in the recording
+    scale = np.array([drift, reading.clock, reading.clock])
+    start = np.array(reading[1:])
+
+    def left(x: Array) -> float:
+        return view.left(*(start + x * scale))
+
+    simplex = np.vstack([np.zeros(3), NEARBY * np.eye(3)])
+    found = minimize(left, np.zeros(3), method="Nelder-Mead", options={"initial_simplex": simplex})
+    clock, age, ahead = (start + found.x * scale).tolist()
+    return Reading(float(found.fun), clock, age, ahead)

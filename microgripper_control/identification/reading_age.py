@@ -54,6 +54,11 @@ class Late:
         rows = [respond(model.with_link(DELAY, delay=one)) for one in delays]
         return cls(np.array(rows), sample_period, measured, counted)
 
+    @property
+    def duration(self) -> float:
+        """Of the recording, s."""
+        return len(self.measured) * self.sample_period
+
     @cached_property
     def error(self) -> Array:
         """What is read beside a response that is not late, m, shape (n,); 0 if not counted."""

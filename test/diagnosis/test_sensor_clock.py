@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.diagnosis.evidence import Evidence
-from microgripper_control.diagnosis.sensor_clock import on_its_clock
+from microgripper_control.diagnosis.sensor_clock import on_its_clocks, retimed
 from microgripper_control.diagnosis.trial import Trial
 from microgripper_control.identification.fit import fit
 from microgripper_control.identification.nuisance import (
@@ -46,7 +48,8 @@ def test_a_clock_and_the_ages_of_readings_are_found(clock: float) -> None:
     lag = {"averaging": 4.0 * clock, "time_constant": 0.0}
     rig = nominal_model().with_link("sensor_lag", **lag, clock=clock)
     recordings = [recorded(rig, 1), recorded(rig, 2)]
-    evidence = on_its_clock(*explained_by_a_lag(recordings, 5.0 * clock))
+    (evidence, ahead), *_ = on_its_clocks(*explained_by_a_lag(recordings, 5.0 * clock))
+    assert ahead == pytest.approx(0.5 * clock, abs=0.02 * clock)
     assert evidence.scales.clock == pytest.approx(clock, rel=1e-4)
     for recording in evidence.fitted:
         off = (recording.reading_age - AGE * clock) / clock
@@ -55,10 +58,23 @@ def test_a_clock_and_the_ages_of_readings_are_found(clock: float) -> None:
     assert np.std((recordings[0].measured - prediction)[counted]) < 1.2 * NOISE
 
 
+def test_a_clock_is_found_more_closely_with_a_lag_that_has_it() -> None:
+    clock = 2.3e-3
+    rig = nominal_model().with_link("sensor_lag", averaging=9.2e-3, time_constant=0.0, clock=clock)
+    recordings = [recorded(rig, 7), recorded(rig, 8)]
+    evidence, trial = explained_by_a_lag(recordings, 9e-3)
+    rough = evidence.clocked((1.0 + 2e-5) * clock, [0.8 * AGE * clock, 1.2 * AGE * clock])
+    model = trial.model.with_link("sensor_lag", clock=rough.scales.clock)
+    closer = retimed(rough, replace(trial, model=model))
+    assert closer.scales.clock == pytest.approx(clock, rel=3e-6)
+    for recording in closer.fitted:
+        assert recording.reading_age == pytest.approx(AGE * clock, abs=0.03 * clock)
+
+
 def test_without_a_clock_none_is_found() -> None:
     rig = nominal_model().with_link("sensor_lag", averaging=12e-3, time_constant=3e-3)
     evidence, trial = explained_by_a_lag([recorded(rig, 3)], 15e-3)
-    assert on_its_clock(evidence, trial) is evidence
+    assert on_its_clocks(evidence, trial) == []
 
 
 @pytest.mark.parametrize("samples", [40, 300])
@@ -67,7 +83,7 @@ def test_few_samples_are_too_few_for_a_clock(samples: int) -> None:
     voltage, displacement = whole.voltage[:samples], whole.measured[:samples]
     short = Recording("short", PERIOD, voltage, displacement)
     evidence, trial = explained_by_a_lag([short], 6e-3)
-    assert on_its_clock(evidence, trial) is evidence
+    assert on_its_clocks(evidence, trial) == []
 
 
 def test_a_clock_of_the_model_itself_is_read_in_time() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from microgripper_control.core.signals import POSITION, ROWS, Timing
 from microgripper_control.effects import conversion_clock
@@ -43,3 +44,34 @@ def test_a_plant_reads_on_the_clock_of_a_lag_or_a_delay() -> None:
         later = at > 0
         np.testing.assert_allclose(held[later], free[at[later]], rtol=0.0, atol=1e-9)
     assert lag.unclocked().clock == 0.0
+
+
+@pytest.mark.parametrize("hold", [Hold.ZERO, Hold.FIRST])
+@pytest.mark.parametrize("lag", [(8.8e-3, 0.0), (0.0, 1e-3), (0.0, 5e-3), (2.3e-3, 0.6e-3)])
+def test_a_lag_is_read_at_any_instant_of_a_long_sample(
+    hold: Hold, lag: tuple[float, float]
+) -> None:
+    """The same plant sampled 500 times as fast gives the motion that is averaged and filtered."""
+    averaging, filtering = lag
+    period, finer, clock, age = 5e-3, 500, 2.2e-3, 1.3e-3
+    step, time = period / finer, period * np.arange(800)
+    voltage = 80.0 - 80.0 * np.cos(2.0 * np.pi * 3.0 * time)
+    dense = step * np.arange(len(time) * finer - finer + 1)
+    each = np.floor(dense / period + 1e-9) * period if hold is Hold.ZERO else dense
+    course = simulate(nominal_model(), np.interp(each, time, voltage), step, hold=hold)
+    if averaging > 0.0:
+        window = round(averaging / step)
+        area = np.append(0.0, np.cumsum((course[1:] + course[:-1]) / 2.0))
+        before = np.concatenate([course[0] * np.arange(-window, 0), area])[: len(area)]
+        course = (area - before) / window
+    if filtering > 0.0:
+        kept = np.exp(-step / filtering)
+        late = filtering * (1.0 - kept) / step  # exact for straight lines
+        rest = course[0]
+        course = lfilter([1.0 - late, late - kept], [1.0, -kept], course - rest) + rest
+    last = time - np.mod(time + age, clock)
+    values = {"averaging": averaging, "time_constant": filtering}
+    model = nominal_model().with_link("sensor_lag", **values, clock=clock)
+    found = simulate(model, voltage, period, hold=hold, reading_age=age)
+    error = found - np.interp(last, dense, course)
+    assert np.std(error) < 2e-9  # of a motion of 20 um

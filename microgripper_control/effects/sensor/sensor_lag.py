@@ -13,6 +13,7 @@ The average is that of the straight lines between the internal steps, exactly; t
 straight in the same way.
 """
 
+import math
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
@@ -27,7 +28,23 @@ from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Val
 from microgripper_control.effects.conversion_clock import CLOCK, says_clock
 
 HEAD = 6  # of the state, before the rings
+CORNERS = 16  # in a sample period, of the course that a clock reads
 SHOWN = 0.05  # of the longer time: a shorter one is not spoken of
+
+
+def breaks(values: Values, sample_period: float) -> set[float]:
+    """Where the course between samples bends, if anything behind the average looks at it.
+
+    The average of what jumped has a corner where the jump leaves the window. A clock reads at any
+    instant, so what bends smoothly is divided as well, most finely after a jump.
+    """
+    averaging, filtered = values["averaging"], values["time_constant"] > 0.0
+    found: set[float] = set()
+    if values["clock"] > 0.0 and (averaging > 0.0 or filtered):
+        found |= {(corner / CORNERS) ** 2 for corner in range(CORNERS)}
+    if averaging > 0.0 and (found or filtered):
+        found.add(math.fmod(averaging / sample_period, 1.0))
+    return found
 
 
 @compiled
@@ -156,6 +173,7 @@ LINK = Link(
     ),
     prepare=prepare,
     kernel=kernel,
+    breaks=breaks,
     follows=True,
     clocked=True,
     idle=idle,
