@@ -103,9 +103,11 @@ def _carried(
     """
     least = found[0].fitted_rmse
     # What fits a part best may have bent to it: elsewhere it fits worse, or diverges.
+    if least >= scrutiny.hopeless:
+        return _on_all(evidence, found[:1])
     whole = _on_all(evidence, found[:CARRIED])
-    if whole is None or least >= scrutiny.hopeless:
-        return whole
+    if whole is None:
+        return None
     whole = fit_on(evidence, whole, ROUGH, SETTLING_IN, fresh=())
     if least >= scrutiny.known or whole.fitted_rmse <= MISLED * least:
         return whole

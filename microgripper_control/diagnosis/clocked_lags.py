@@ -1,72 +1,92 @@
 """Lags tried again on the clock of the sensor that they show.
 
 Before the clock is known the lags may each suggest another, and how long a lag is misleads: each is
-fitted with each likely clock, which is then looked for more closely.
+fitted with each likely clock, and the best clock is then looked for more closely.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 from microgripper_control.diagnosis.evidence import Evidence
-from microgripper_control.diagnosis.fitting import Base
 from microgripper_control.diagnosis.part import POLISHED, refined
 from microgripper_control.diagnosis.pool import Pool
-from microgripper_control.diagnosis.rounds import Progress, play, silent
+from microgripper_control.diagnosis.schedule import side_by_side
 from microgripper_control.diagnosis.sensor_clock import has_clock, on_its_clocks, retimed
-from microgripper_control.diagnosis.trial import Trial, unfitted
+from microgripper_control.diagnosis.trial import Trial, fitted_keys, unfitted
+from microgripper_control.effects.registry import registry
 from microgripper_control.identification.reading_age import DELAY
-from microgripper_control.plant.model import Key
+from microgripper_control.plant.model import Model
 
-AS_GOOD = 1.1  # times what the best leaves: a lag that leaves more is not the cause
+NO_CAUSE = 2.0  # times what the best leaves: a lag that leaves more without a clock is none,
+AS_GOOD = 1.1  # times what the best clock leaves: those that leave less are looked for more closely
+FITTED, EVALUATIONS = 2, 25  # first guesses of a lag with a clock, and how long they are fitted
+
+Lag = tuple[Trial, Evidence, float]  # what explains it by a mean lag, too long by the last, s
 
 
-def on_the_sensors_clock(bases: Sequence[Base], pool: Pool, progress: Progress, jobs: int) -> Pool:
+def on_the_sensors_clock(pool: Pool, jobs: int = -1) -> Pool:
     """The pool, with the sensor's clock if there is one; the lags are then tried with it."""
     best = pool.best(1, len(pool.tried))
     lags = [trial for trial in best if has_clock(trial)]
-    if not lags or lags[0].both > AS_GOOD * best[0].both or not pool.leaves_more(best[0]):
+    if not lags or lags[0].both > NO_CAUSE * best[0].both or not pool.leaves_more(best[0]):
         return pool
-    timed = [pool]
-    for lag in lags:
-        for evidence, ahead in on_its_clocks(pool.evidence, lag):
-            rough = _on(evidence, pool)
-            play(evidence, bases, _added(lag, pool), 1, rough, silent, jobs)
-            if DELAY in lag.effects:
-                delay = max(0.0, lag.model.value(DELAY, "delay") - ahead)
-                rough.add(_fitted(lag, {(DELAY, "delay"): delay}, rough))
-            timed += [rough, *_closer(lag, rough, pool)]
-    chosen = min(timed, key=lambda pool: pool.best(1, 1)[0].both)
-    if chosen is not pool:
-        names = [name for lag in lags for name in _added(lag, pool)]
-        play(chosen.evidence, bases, names, len(names), chosen, progress, jobs)
-    return chosen
+    rough = [(lag, *timed) for lag in lags for timed in on_its_clocks(pool.evidence, lag)]
+    tried = _fitted(rough, jobs)
+    least = min((fit.trial.both for fit in tried), default=0.0)
+    near = [fit for fit in tried if fit.trial.both < AS_GOOD * least]
+    tried += _fitted([(fit.trial, retimed(fit.evidence, fit.trial), 0.0) for fit in near], jobs)
+    chosen = min(tried, key=lambda fit: fit.trial.both, default=None)
+    if chosen is None or chosen.trial.both >= best[0].both:
+        return pool
+    pool = replace(pool, evidence=chosen.evidence, tried={**pool.tried})
+    others = [lag for lag in lags if lag.effects != chosen.trial.effects]
+    for fit in (chosen, *_fitted([(lag, chosen.evidence, 0.0) for lag in others], jobs)):
+        pool.add(fit.trial)
+    return pool
 
 
-def _on(evidence: Evidence, pool: Pool) -> Pool:
-    """A pool on other evidence."""
-    return replace(pool, evidence=evidence, tried={**pool.tried})
+class Fit(NamedTuple):
+    """A lag fitted on evidence that has a clock."""
+
+    trial: Trial
+    evidence: Evidence
 
 
-def _added(lag: Trial, pool: Pool) -> list[str]:
-    return [name for name in lag.effects if name not in pool.own]
+def _fitted(lags: Sequence[Lag], jobs: int) -> list[Fit]:
+    found = dict(side_by_side(_numbered, list(enumerate(lags)), jobs))
+    return [Fit(found[number], lag[1]) for number, lag in enumerate(lags)]
 
 
-def _closer(lag: Trial, rough: Pool, pool: Pool) -> list[Pool]:
-    """The pool with a closer clock than a rough one has, if the lag took that."""
-    names = _added(lag, pool)
-    trial = rough.tried[frozenset(names)]
-    if trial.model.clock == 0.0:
-        return []
-    closer = _on(retimed(rough.evidence, trial), pool)
-    closer.add(_fitted(trial, {}, closer))
-    return [closer]
+def _numbered(number: int, lag: Lag) -> tuple[int, Trial]:
+    return number, on_clock(*lag)
 
 
-def _fitted(lag: Trial, values: Mapping[Key, float], pool: Pool) -> Trial:
-    """A lag fitted on with the clock of a pool's evidence, from some other values."""
-    evidence = pool.evidence
-    clocks = {(name, "clock"): evidence.scales.clock for name in _added(lag, pool)}
-    trial = replace(lag, model=lag.model.with_values({**values, **clocks}))
-    return refined(evidence, unfitted(evidence, trial), POLISHED, 60)
+def on_clock(lag: Trial, evidence: Evidence, ahead: float) -> Trial:
+    """A lag, too long by `ahead`, s, fitted with the sensor's clock from its likeliest guesses."""
+    clocked = [name for name in lag.effects if registry()[name].clocked]
+    others = [key for key in lag.free if key[0] not in clocked]
+    guesses = []
+    for model in _guesses(lag, clocked, evidence, ahead):
+        free = (*others, *fitted_keys(model, clocked))
+        guesses.append(unfitted(evidence, replace(lag, model=model, free=free, errors=())))
+    guesses.sort(key=lambda trial: trial.fitted_rmse)
+    fits = [refined(evidence, guess, POLISHED, EVALUATIONS) for guess in guesses[:FITTED]]
+    return min(fits, key=lambda trial: trial.both)
+
+
+def _guesses(
+    lag: Trial, clocked: Sequence[str], evidence: Evidence, ahead: float
+) -> Iterator[Model]:
+    """Models to begin with: the lag's own, and each of its first guesses that has the clock."""
+    for name in clocked:
+        own = lag.model.with_values({(name, "clock"): evidence.scales.clock})
+        if name == DELAY:
+            delay = max(0.0, own.value(name, "delay") - ahead)
+            own = own.with_values({(name, "delay"): delay})
+        yield own
+        for values in registry()[name].starts(evidence.scales):
+            if values.get("clock", 0.0) > 0.0:
+                yield lag.model.with_link(name, **values)

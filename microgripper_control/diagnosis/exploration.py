@@ -61,7 +61,7 @@ def explore(
     dear = [name for name in names if is_dear_with(evidence, refit, name)]
     first = [n for n in names if _is_first(n, evidence, refit)]
     play(evidence, bases, first, len(first), pool, progress, jobs)
-    pool = on_the_sensors_clock(bases, pool, progress, jobs)
+    pool = on_the_sensors_clock(pool, jobs)
     evidence = pool.evidence
     for some in ([name for name in names if name not in (*first, *dear)], dear):
         play(evidence, bases, some, len(some), pool, progress, jobs)

@@ -29,7 +29,8 @@ from microgripper_control.effects.registry import registry
 RUNNERS_UP = 2  # of the promising: those that explain most by themselves,
 SHOWN = 2  # and those of which what is left shows a sign
 NEAR = 3.0  # times what the best leaves: what leaves less is fitted on, all derivatives fresh,
-NEAR_IF_JOINED = 1.5  # but not so far off if it joins another and each sample is dear,
+NEARER = 2.0  # but not so far off if nothing is wanting,
+NEAR_IF_JOINED = 1.5  # or if it joins another and each sample is dear,
 FEW = 2  # and no more than so many of these, if they have helped at all by then
 
 Progress = Callable[[str, int, int], None]  # what is being tried, how many are done, of how many
@@ -80,7 +81,8 @@ def play(
     for trial in found:
         pool.add(trial)
     # Far from the base its derivatives mislead: the best go on with fresh ones.
-    if pool.leaves_more(before) and (best := _going_on(evidence, before, found, near, pool)):
+    cheap = NEAR if wanting or not alone else NEARER
+    if pool.leaves_more(before) and (best := _going_on(evidence, before, found, cheap, near, pool)):
         progress("the best of them", 0, 1)
         for trial in side_by_side(polish, [(evidence, trial) for trial in best], jobs):
             pool.add(trial)
@@ -123,9 +125,14 @@ def _by_itself(name: str, pool: Pool) -> list[Values]:
 
 
 def _going_on(
-    evidence: Evidence, before: Trial, found: Sequence[Trial], near: float, pool: Pool
+    evidence: Evidence,
+    before: Trial,
+    found: Sequence[Trial],
+    near: float,
+    near_if_dear: float,
+    pool: Pool,
 ) -> list[Trial]:
-    """Those found that leave no more than a few times the least; of dear ones `near` times it."""
+    """Those found that leave no more than `near` times the least."""
     fits = [t for t in found if t.free != before.free and np.isfinite(t.fitted_rmse)]
     others = [trial for trial in pool.tried.values() if len(trial.free) > len(before.free)]
     least = min((trial.fitted_rmse for trial in (*fits, *others)), default=np.inf)
@@ -133,8 +140,8 @@ def _going_on(
     dear: list[Trial] = []
     for trial in sorted(fits, key=lambda trial: trial.fitted_rmse):
         (dear if is_dear(evidence, trial.model) else cheap).append(trial)
-    near = min(near * least, before.fitted_rmse)
+    limit = min(near_if_dear * least, before.fitted_rmse)
     return [
-        *(trial for trial in cheap if trial.fitted_rmse < NEAR * least),
-        *[trial for trial in dear if trial.fitted_rmse < near][:FEW],
+        *(trial for trial in cheap if trial.fitted_rmse < near * least),
+        *[trial for trial in dear if trial.fitted_rmse < limit][:FEW],
     ]

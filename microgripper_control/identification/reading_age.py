@@ -20,7 +20,7 @@ from microgripper_control.plant.model import Model
 DELAY = "transport_delay"
 PARTS = 16  # of a sample, by which responses are late
 TELLING = 2000  # samples that are compared, those of the fastest motion
-AGES, ROUNDS = 32, 3  # first ages that are tried, and how often closer ones around the best
+AGES, ROUNDS = 32, 4  # first ages that are tried, and how often closer ones around the best
 CLOSER = 4.0
 
 Indices = NDArray[np.intp]

@@ -37,47 +37,50 @@ SHOWN = 0.05  # of a sample period: a shorter T is not spoken of
 
 
 @compiled
-def _trail(e: float, way: float, rate: float, half: float) -> float:
+def _trail(e: float, way: float, rate: float, falls: float, half: float) -> float:
     """x - x_f at the end of a step on which x goes `way` >= 0, m, from e before; `rate` is step/T.
 
-    On the way up the finger leaves the lower flank, crosses the gap and meets the upper one.
+    `falls` is 1 - exp(-rate), which takes long. On the way up the finger leaves the lower flank,
+    crosses the gap and meets the upper one.
     """
     left = 1.0
     if e < -half:
         behind = -half - e
         leaves = math.log1p(behind * rate / way) / rate if way > 0.0 else 1.0
         if leaves >= 1.0:
-            return e - math.expm1(-rate) * (way / rate + behind)
+            return e + falls * (way / rate + behind)
         e, left = -half, 1.0 - leaves
     if e < half:
         if half - e >= way * left:
             return e + way * left
         e, left = half, left - (half - e) / way
-    return e - math.expm1(-rate * left) * (way / rate - (e - half))
+    if left < 1.0:
+        falls = -math.expm1(-rate * left)
+    return e + falls * (way / rate - (e - half))
 
 
 @compiled
-def _pushed(finger: float, old: float, x: float, rate: float, half: float) -> float:
+def _pushed(finger: float, old: float, x: float, rate: float, falls: float, half: float) -> float:
     """Where a finger is after x has gone from old to x; at rate 0 it does not trail."""
     if rate == 0.0:
         return min(max(finger, x - half), x + half)
     if x >= old:
-        return x - _trail(old - finger, x - old, rate, half)
-    return x + _trail(finger - old, old - x, rate, half)
+        return x - _trail(old - finger, x - old, rate, falls, half)
+    return x + _trail(finger - old, old - x, rate, falls, half)
 
 
 @compiled
 def kernel(coefficients: Array, state: Array, bus: Array) -> None:
-    """State: x so far, then where each pin is. A row: step/T, then half of each play."""
+    """State: x so far, then where each pin is. A row: step/T, `falls`, then half of each play."""
     steps, row = coefficients.shape[0], 0
-    pins = coefficients.shape[1] - 1
+    pins = coefficients.shape[1] - 2
     old = state[0]
     for j in range(bus.shape[1]):
         c = coefficients[row]
         x = bus[POSITION, j]
         total = 0.0
         for i in range(1, 1 + pins):
-            state[i] = _pushed(state[i], old, x, c[0], c[i])
+            state[i] = _pushed(state[i], old, x, c[0], c[1], c[1 + i])
             total += state[i]
         old = x
         bus[POSITION, j] = total / pins
@@ -92,7 +95,7 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     pins = level - np.clip(levels[GONE], -halves, halves)
     levels[POSITION] = np.mean(pins)
     rates = [step / max(lag, SHORTEST * step) for step in timing.steps] if lag else [0.0]
-    rows = [(rate, *halves) for rate in rates]
+    rows = [(rate, -math.expm1(-rate), *halves) for rate in rates]
     return Prepared(np.array(rows), np.array([level, *pins]), timing.ramped)
 
 
@@ -100,7 +103,7 @@ def played(x: Array, play: float) -> Array:
     """What is behind a play, m, of a motion, m, shape (n,), that begins in the middle of it."""
     bus = np.zeros((ROWS, len(x)))
     bus[POSITION] = x
-    kernel(np.array([[0.0, play / 2.0]]), np.array([x[0], x[0]]), bus)
+    kernel(np.array([[0.0, 0.0, play / 2.0]]), np.array([x[0], x[0]]), bus)
     return np.asarray(bus[POSITION])
 
 
