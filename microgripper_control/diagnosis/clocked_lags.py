@@ -14,7 +14,7 @@ from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.part import POLISHED, refined
 from microgripper_control.diagnosis.pool import Pool
 from microgripper_control.diagnosis.schedule import side_by_side
-from microgripper_control.diagnosis.sensor_clock import has_clock, on_its_clocks, retimed
+from microgripper_control.diagnosis.sensor_clock import on_its_clocks, retimed
 from microgripper_control.diagnosis.trial import Trial, fitted_keys, unfitted
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.reading_age import DELAY
@@ -30,8 +30,10 @@ Lag = tuple[Trial, Evidence, float]  # what explains it by a mean lag, too long 
 def on_the_sensors_clock(pool: Pool, jobs: int = -1) -> Pool:
     """The pool, with the sensor's clock if there is one; the lags are then tried with it."""
     best = pool.best(1, len(pool.tried))
-    lags = [trial for trial in best if has_clock(trial)]
-    if not lags or lags[0].both > NO_CAUSE * best[0].both or not pool.leaves_more(best[0]):
+    lags = [trial for trial in best if _clocked(trial, pool.evidence)]
+    if pool.nominal.model.clock > 0.0 or not lags or not pool.leaves_more(best[0]):
+        return pool
+    if lags[0].both > NO_CAUSE * best[0].both:
         return pool
     rough = [(lag, *timed) for lag in lags for timed in on_its_clocks(pool.evidence, lag)]
     tried = _fitted(rough, jobs)
@@ -66,7 +68,7 @@ def _numbered(number: int, lag: Lag) -> tuple[int, Trial]:
 
 def on_clock(lag: Trial, evidence: Evidence, ahead: float) -> Trial:
     """A lag, too long by `ahead`, s, fitted with the sensor's clock from its likeliest guesses."""
-    clocked = [name for name in lag.effects if registry()[name].clocked]
+    clocked = _clocked(lag, evidence)
     others = [key for key in lag.free if key[0] not in clocked]
     guesses = []
     for model in _guesses(lag, clocked, evidence, ahead):
@@ -75,6 +77,12 @@ def on_clock(lag: Trial, evidence: Evidence, ahead: float) -> Trial:
     guesses.sort(key=lambda trial: trial.fitted_rmse)
     fits = [refined(evidence, guess, POLISHED, EVALUATIONS) for guess in guesses[:FITTED]]
     return min(fits, key=lambda trial: trial.both)
+
+
+def _clocked(trial: Trial, evidence: Evidence) -> list[str]:
+    """The effects that a trial adds and that may read on a clock of the sensor's own."""
+    added = frozenset(trial.effects) - frozenset(evidence.nominal.effects)
+    return [name for name in trial.effects if name in added and registry()[name].clocked]
 
 
 def _guesses(

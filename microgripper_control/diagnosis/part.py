@@ -51,7 +51,7 @@ def on_a_part(
     what was before it, and its fit may lead astray. So are all where the stretches, each with a
     zero and a beginning of its own, show too little of the gap.
     """
-    less = is_dear_with(evidence, bases[0].trial, name) or (most <= GLANCE and _of_the_way(name))
+    less = is_dear_with(evidence, bases[0].trial, name) or (most <= GLANCE and _is_shown(name))
     less = less and sum(len(recording) for recording in evidence.fitted) > WORTHWHILE * most
     part = evidence.pieces(most) if less else evidence
     if part is evidence:
@@ -96,9 +96,9 @@ def is_force(effect: str) -> bool:
     return registry()[effect].force is not None
 
 
-def _of_the_way(effect: str) -> bool:
-    """Whether an effect knows place and way and next to nothing of the time: a force, a play."""
-    return is_force(effect) or effect == "backlash"
+def _is_shown(effect: str) -> bool:
+    """Whether stretches show an effect."""
+    return is_force(effect) or registry()[effect].of_the_way
 
 
 def is_dear(evidence: Evidence, model: Model) -> bool:

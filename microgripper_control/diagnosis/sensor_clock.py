@@ -18,7 +18,6 @@ from scipy.optimize import minimize, minimize_scalar
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.trial import Trial, problem_of
-from microgripper_control.effects.registry import registry
 from microgripper_control.identification.nuisance import late
 from microgripper_control.identification.reading_age import Late
 
@@ -36,11 +35,6 @@ NEARBY = 0.1  # of the clock, or a conversion in a recording: how far a closer c
 BEST = 8  # clocks that are looked for more closely,
 LIKELY = 3  # and that are tried: how long a lag is without a clock misleads,
 AS_LIKELY = 1.25  # if they leave no more than so many times what the best leaves
-
-
-def has_clock(trial: Trial) -> bool:
-    """Whether an explanation has a link that may read on a clock of the sensor's own."""
-    return any(registry()[name].clocked for name in trial.effects)
 
 
 def on_its_clocks(evidence: Evidence, trial: Trial) -> list[tuple[Evidence, float]]:

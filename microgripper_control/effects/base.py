@@ -246,6 +246,7 @@ class Link:
     says: Says | None = None  # the title does without
     nominal: bool = False  # part of the paper's plant, always there
     follows: bool = False  # the course between the samples matters to it
+    of_the_way: bool = False  # knows place and way and, like a force, next to nothing of the time
     sampled: bool = False  # acts on the samples, not on the signal between them
     random: bool = False  # not repeatable: left out of predictions
     clocked: bool = False  # has a parameter `clock`: see `conversion_clock`

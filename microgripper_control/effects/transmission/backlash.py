@@ -153,6 +153,7 @@ LINK = Link(
     prepare=prepare,
     kernel=kernel,
     follows=True,
+    of_the_way=True,
     starts=starts,
     plausible=plausible,
     says=says,
