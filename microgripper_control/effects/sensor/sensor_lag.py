@@ -13,7 +13,6 @@ The average is that of the straight lines between the internal steps, exactly; t
 straight in the same way.
 """
 
-import math
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
@@ -33,18 +32,14 @@ SHOWN = 0.05  # of the longer time: a shorter one is not spoken of
 
 
 def breaks(values: Values, sample_period: float) -> set[float]:
-    """Where the course between samples bends, if anything behind the average looks at it.
+    """Where the course between samples bends, if a clock reads it at any instant.
 
-    The average of what jumped has a corner where the jump leaves the window. A clock reads at any
-    instant, so what bends smoothly is divided as well, most finely after a jump.
+    Most after a jump. Where a jump leaves the window there is another corner, but divisions that
+    move with what is fitted would disturb its derivatives.
     """
-    averaging, filtered = values["averaging"], values["time_constant"] > 0.0
-    found: set[float] = set()
-    if values["clock"] > 0.0 and (averaging > 0.0 or filtered):
-        found |= {(corner / CORNERS) ** 2 for corner in range(CORNERS)}
-    if averaging > 0.0 and (found or filtered):
-        found.add(math.fmod(averaging / sample_period, 1.0))
-    return found
+    if values["clock"] == 0.0 or not (values["averaging"] or values["time_constant"]):
+        return set()
+    return {(corner / CORNERS) ** 2 for corner in range(CORNERS)}
 
 
 @compiled
