@@ -30,6 +30,7 @@ from microgripper_control.effects.base import Force, Link, Scales, Stage, Values
 REFERENCE = 1e-6  # m, r above
 BESIDE = 0.1  # of the stroke: what the nominal model may be wrong about where it ends
 MOST_DAMPING = 100.0  # s/m; metals have 0.1 to 0.3, and much lets go whenever the finger turns
+SHOWN = 0.05  # of the force: relaxation below that is not spoken of
 HARDEST = 2.5  # times the force at rest: the beginning of an impact from which nothing springs back
 
 
@@ -111,7 +112,7 @@ def says(values: Values, scales: Scales) -> str:
     where, push = quantity(values["position"], "m", 3), number(1e-6 * values["stiffness"])
     depth = "for each µm" if values["exponent"] == 1.0 else "at 1 µm of depth"
     text = f"the finger meets something: {way} x = {where} it is pushed back, by {push} N {depth}"
-    if not values["relaxing"]:
+    if not values["relaxing"] or values["stiffening"] < SHOWN:
         return text
     more, while_ = percent(values["stiffening"]), quantity(values["slowest"], "s", 1)
     return f"{text}, and {more} more if pressed faster than some {while_}"

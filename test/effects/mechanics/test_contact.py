@@ -9,6 +9,8 @@ import pytest
 from scipy.optimize import brentq
 
 from microgripper_control.core.signals import Array
+from microgripper_control.effects.base import Scales
+from microgripper_control.effects.registry import link_named
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.simulate import Initial, simulate
 
@@ -175,3 +177,12 @@ def test_planted_values_of_a_soft_object_are_found(
     found, errors = recover(rig, LINK, start, lively, 1e-3)
     assert np.all(np.abs(found - list(truth.values())) < 4.0 * errors)
     assert np.all(errors < 0.1 * np.array(list(truth.values())))
+
+
+def test_an_object_that_hardly_relaxes_is_not_said_to() -> None:
+    scales = Scales(1e-3, 10.0, (0.0, 160.0), 1e3, (0.0, 2e-5), 1e7, 0.0038)
+    link = link_named("contact")
+    soft = {p.name: p.nominal for p in link.parameters} | {"relaxing": 1.0, "stiffening": 0.4}
+    assert link.says is not None
+    assert "40 % more if pressed faster" in link.says(soft, scales)
+    assert "faster" not in link.says(soft | {"stiffening": 0.01}, scales)
