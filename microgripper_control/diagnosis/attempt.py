@@ -102,9 +102,9 @@ def _carried(
     None if all diverge there.
     """
     least = found[0].fitted_rmse
-    # What fits a part best may have bent to it: elsewhere it fits worse, or diverges.
     if least >= scrutiny.hopeless:
         return _on_all(evidence, found[:1])
+    # What fits a part best may have bent to it: elsewhere it fits worse, or diverges.
     whole = _on_all(evidence, found[:CARRIED])
     if whole is None:
         return None

@@ -63,16 +63,16 @@ def _fitted(lags: Sequence[Lag], jobs: int) -> list[Fit]:
 
 
 def _numbered(number: int, lag: Lag) -> tuple[int, Trial]:
-    return number, on_clock(*lag)
+    return number, _on_clock(*lag)
 
 
-def on_clock(lag: Trial, evidence: Evidence, ahead: float) -> Trial:
+def _on_clock(lag: Trial, evidence: Evidence, ahead: float) -> Trial:
     """A lag, too long by `ahead`, s, fitted with the sensor's clock from its likeliest guesses."""
-    clocked = _clocked(lag, evidence)
-    others = [key for key in lag.free if key[0] not in clocked]
+    (name,) = _clocked(lag, evidence)
+    others = [key for key in lag.free if key[0] != name]
     guesses = []
-    for model in _guesses(lag, clocked, evidence, ahead):
-        free = (*others, *fitted_keys(model, clocked))
+    for model in _guesses(lag, name, evidence, ahead):
+        free = (*others, *fitted_keys(model, [name]))
         guesses.append(unfitted(evidence, replace(lag, model=model, free=free, errors=())))
     guesses.sort(key=lambda trial: trial.fitted_rmse)
     fits = [refined(evidence, guess, POLISHED, EVALUATIONS) for guess in guesses[:FITTED]]
@@ -81,20 +81,17 @@ def on_clock(lag: Trial, evidence: Evidence, ahead: float) -> Trial:
 
 def _clocked(trial: Trial, evidence: Evidence) -> list[str]:
     """The effects that a trial adds and that may read on a clock of the sensor's own."""
-    added = frozenset(trial.effects) - frozenset(evidence.nominal.effects)
-    return [name for name in trial.effects if name in added and registry()[name].clocked]
+    own = evidence.nominal.effects
+    return [name for name in trial.effects if name not in own and registry()[name].clocked]
 
 
-def _guesses(
-    lag: Trial, clocked: Sequence[str], evidence: Evidence, ahead: float
-) -> Iterator[Model]:
+def _guesses(lag: Trial, name: str, evidence: Evidence, ahead: float) -> Iterator[Model]:
     """Models to begin with: the lag's own, and each of its first guesses that has the clock."""
-    for name in clocked:
-        own = lag.model.with_values({(name, "clock"): evidence.scales.clock})
-        if name == DELAY:
-            delay = max(0.0, own.value(name, "delay") - ahead)
-            own = own.with_values({(name, "delay"): delay})
-        yield own
-        for values in registry()[name].starts(evidence.scales):
-            if values.get("clock", 0.0) > 0.0:
-                yield lag.model.with_link(name, **values)
+    own = lag.model.with_values({(name, "clock"): evidence.scales.clock})
+    if name == DELAY:
+        delay = max(0.0, own.value(name, "delay") - ahead)
+        own = own.with_values({(name, "delay"): delay})
+    yield own
+    for values in registry()[name].starts(evidence.scales):
+        if values.get("clock", 0.0) > 0.0:
+            yield lag.model.with_link(name, **values)

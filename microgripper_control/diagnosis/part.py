@@ -47,9 +47,9 @@ def on_a_part(
 ) -> tuple[Evidence, Sequence[Base]]:
     """What to try an effect on and the bases there: with a dear force, about `most` samples.
 
-    For a glance that goes for any force. Less than twice as many are left whole: a stretch forgets
-    what was before it, and its fit may lead astray. So are all where the stretches, each with a
-    zero and a beginning of its own, show too little of the gap.
+    For a glance that goes for any force, and for a play. Less than twice as many are left whole: a
+    stretch forgets what was before it, and its fit may lead astray. So are all where the stretches,
+    each with a zero and a beginning of its own, show too little of the gap.
     """
     less = is_dear_with(evidence, bases[0].trial, name) or (most <= GLANCE and _is_shown(name))
     less = less and sum(len(recording) for recording in evidence.fitted) > WORTHWHILE * most
