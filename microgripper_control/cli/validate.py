@@ -18,7 +18,7 @@ from microgripper_control.cli.tables import print_table
 from microgripper_control.core.files import make_folder
 from microgripper_control.diagnosis.schedule import cluster
 from microgripper_control.examination.folder import Folder, write_json
-from microgripper_control.examination.plan import MOST, Extent, plan
+from microgripper_control.examination.plan import MOST, Extent, Part, plan
 from microgripper_control.examination.run import OnProgress, run
 from microgripper_control.examination.score import Score, score
 from microgripper_control.examination.summary import as_json
@@ -32,12 +32,15 @@ def validate(
     seed: Annotated[
         int, typer.Option(min=0, max=MOST, help="Decides all cases, none of which was seen before.")
     ] = 1,
+    only: Annotated[
+        Part | None, typer.Option(help="Only these of its cases. The others may follow.")
+    ] = None,
     first: Annotated[
         int | None,
         typer.Option(
             metavar="N",
             min=1,
-            help="Only N of these cases; they are shuffled, so any part is fair. More may follow.",
+            help="Only N of these cases; they are shuffled, so any N are fair. More may follow.",
         ),
     ] = None,
     jobs: Annotated[int, typer.Option(help="Cases at once; -1: one a core.")] = -1,
@@ -56,10 +59,10 @@ def validate(
     A case takes about 2 MB in DIR. The result is DIR/validation.html and validation.json.
     """
     planned = plan(seed, quick)
-    extent = Extent(seed, quick, first if first and first < len(planned) else None)
+    extent = Extent(seed, quick, only, first)
     root = make_folder(out)
     with sigterm_as_interrupt(), cluster(scheduler), _progress() as on_progress:
-        records = run(root, planned, on_progress, jobs, first=extent.first)
+        records = run(root, planned, on_progress, jobs, asked=extent.of(planned))
     found = score(Folder(root.resolve()), records)
     content = as_json(found, extent)
     write_json(root / "validation.json", content)

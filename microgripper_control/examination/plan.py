@@ -7,6 +7,7 @@ library has. Pairs: two at once. The cases are shuffled, so that a case's number
 
 from __future__ import annotations
 
+import enum
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -36,6 +37,16 @@ TOGETHER = 24  # pairs, in full
 QUICK_BLANKS, QUICK_WITHHELD, QUICK_NEVER, QUICK_PAIRS = 4, 6, 6, 3
 
 
+class Part(str, enum.Enum):
+    """What may be asked by itself, in the order of the plan."""
+
+    EFFECTS = "effects"  # one effect of the library at a time
+    BLANKS = "blanks"  # none and parameters
+    WITHHELD = WITHHELD
+    NEVER = NEVER
+    PAIRS = PAIRS
+
+
 @dataclass(frozen=True)
 class Planned:
     """One case to be made; `excitation` is one of EXCITATIONS."""
@@ -58,6 +69,13 @@ class Planned:
         """Effects that are taken out of the library."""
         return self.effects if self.question == WITHHELD else ()
 
+    @property
+    def part(self) -> Part:
+        """What of the plan it belongs to."""
+        if self.question != BLIND:
+            return Part(self.question)
+        return Part.BLANKS if self.effects[0] in (NONE, PARAMETERS) else Part.EFFECTS
+
     def plain(self) -> dict[str, Any]:
         """For JSON."""
         return asdict(self) | {"effects": list(self.effects)}
@@ -74,14 +92,20 @@ class Extent:
 
     seed: int
     quick: bool = False
-    first: int | None = None  # so many cases of the plan; they are shuffled, so any part is fair
+    only: Part | None = None
+    first: int | None = None  # so many of these cases, which are shuffled
 
     @property
     def command(self) -> str:
         """What repeats it."""
         quick = " --quick" if self.quick else ""
+        only = "" if self.only is None else f" --only {self.only.value}"
         first = "" if self.first is None else f" --first {self.first}"
-        return f"microgripper validate --seed {self.seed}{quick}{first}"
+        return f"microgripper validate --seed {self.seed}{quick}{only}{first}"
+
+    def of(self, planned: Sequence[Planned]) -> list[Planned]:
+        """The cases of a plan that are to be done."""
+        return [one for one in planned if self.only in (None, one.part)][: self.first]
 
 
 @dataclass(frozen=True)

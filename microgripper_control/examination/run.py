@@ -32,26 +32,26 @@ def run(
     progress: OnProgress,
     jobs: int = -1,
     limit: float = LIMIT,
-    first: int | None = None,
+    asked: Sequence[Planned] | None = None,
 ) -> list[Record]:
     """Do the cases that have no result yet, `jobs` at once; return all records in order.
 
-    All of the plan's, or the `first` ones; a later run may do more of them.
+    All that are planned, or those `asked` for; a later run may do more of them.
 
     `limit` is the time for one diagnosis, s. On a cluster every worker must see the folder `root`.
     MicrogripperError if it holds another examination.
     """
     folder = Folder(root.resolve())
     folder.begin(planned)
-    planned = planned[:first]
-    left = [one for one in planned if not folder.result(one).exists()]
-    before, begun = len(planned) - len(left), time.monotonic()
-    progress(before, len(planned), None)
+    asked = planned if asked is None else asked
+    left = [one for one in asked if not folder.result(one).exists()]
+    before, begun = len(asked) - len(left), time.monotonic()
+    progress(before, len(asked), None)
     tasks = [(folder.root, one, limit) for one in left]
     for done, _ in enumerate(side_by_side(examine, tasks, jobs), start=1):
         each = (time.monotonic() - begun) / done
-        progress(before + done, len(planned), each * (len(left) - done))
-    return [Record.of(read_json(folder.result(one))) for one in planned]
+        progress(before + done, len(asked), each * (len(left) - done))
+    return [Record.of(read_json(folder.result(one))) for one in asked]
 
 
 def examine(root: Path, planned: Planned, limit: float) -> None:

@@ -83,6 +83,8 @@ def _plainly(demands: Sequence[Target]) -> str:
 
 def _extent(score: Score, extent: Extent) -> str:
     kind = "a quick examination" if extent.quick else "the full examination"
+    if extent.only is not None:
+        kind = f"the {extent.only.value} of {kind}"
     if extent.first is not None:
         kind = f"the first {extent.first} of {kind}, in which they are shuffled,"
     seeds = [case.record.planned.seed for case in score.cases]

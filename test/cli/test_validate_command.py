@@ -77,6 +77,11 @@ def test_the_page_says_how_to_repeat_a_part(
     assert [content[key] for key in ("seed", "quick", "first", "cases_done")] == [7, True, 1, 1]
     page = (tmp_path / "validation.html").read_text()
     assert "repeat it with microgripper validate --seed 7 --quick --first 1." in page
+    ran = microgripper(
+        "validate", "--out", tmp_path, "--quick", "--seed", 7, "--only", "blanks", "--jobs", 1
+    )
+    assert "2 of 2 cases" in ran.err
+    assert "the blanks of a quick examination" in (tmp_path / "validation.html").read_text()
 
 
 def test_json_is_the_file_s(microgripper: Callable[..., Any], tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ from collections import Counter
 
 import pytest
 
-from microgripper_control.examination.plan import FIRST_SEED, Planned, plan
+from microgripper_control.examination.plan import FIRST_SEED, Extent, Part, Planned, plan
 from microgripper_control.validation.case import DEVELOPMENT_SEEDS, REPORTING_SEEDS
 from microgripper_control.validation.effects.registry import in_library
 from microgripper_control.validation.excitation import suited
@@ -42,6 +42,16 @@ def test_a_full_plan_asks_everything() -> None:
     pairs = [case.effects for case in cases if case.question == "pairs"]
     assert len(pairs) == 24
     assert all(len(set(pair)) == 2 for pair in pairs)
+
+
+def test_its_parts_are_the_whole_plan_and_each_may_be_asked_by_itself() -> None:
+    cases = plan(1, quick=False)
+    counts = {part: len(Extent(1, only=part).of(cases)) for part in Part}
+    assert counts == {"effects": 221, "blanks": 150, "withheld": 68, "never": 52, "pairs": 24}
+    assert sum(counts.values()) == len(Extent(1).of(cases)) == len(cases)
+    some = Extent(1, only=Part.BLANKS, first=5)
+    assert some.of(cases) == [c for c in cases if c.effects[0] in ("none", "parameters")][:5]
+    assert some.command == "microgripper validate --seed 1 --only blanks --first 5"
 
 
 def test_a_quick_plan_asks_each_effect_once() -> None:

@@ -98,12 +98,12 @@ def test_an_examination_that_was_stopped_goes_on(
 
 def test_a_part_may_be_done_first(tmp_path: Path, quiet: list[str]) -> None:
     planned = [blank(number) for number in (1, 2, 3)]
-    records = running.run(tmp_path, planned, silent, jobs=1, first=2)
+    records = running.run(tmp_path, planned, silent, jobs=1, asked=planned[:2])
     assert quiet == ["case_001", "case_002"]
     assert [record.planned for record in records] == planned[:2]
     assert len(running.run(tmp_path, planned, silent, jobs=1)) == 3
     assert quiet == ["case_001", "case_002", "case_003"]
-    assert len(running.run(tmp_path, planned, silent, jobs=1, first=1)) == 1
+    assert len(running.run(tmp_path, planned, silent, jobs=1, asked=planned[:1])) == 1
 
 
 def test_another_examination_is_not_mixed_in(tmp_path: Path, quiet: list[str]) -> None:
