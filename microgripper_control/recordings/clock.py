@@ -9,6 +9,7 @@ was done is said in the recording's warnings.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -180,29 +181,37 @@ class _Clock:
             k, t = ticks[near], time[near]
         return cls(period, ticks - ticks[0], jitter)
 
+    @cached_property
+    def off(self) -> Array:
+        """How far the stamps are off the ticks, in periods."""
+        return np.abs(self.jitter)
+
+    @cached_property
+    def even(self) -> bool:
+        """Whether nearly all stamps are near their ticks."""
+        near = np.count_nonzero(self.off <= LARGEST_JITTER)  # a quantile would copy and sort
+        return bool(near >= 0.95 * len(self.off))
+
     def fits(self, time: Array) -> bool:
         """Whether the stamps are those ticks, up to what does not matter or was rounded off."""
         # A program can stamp a sample late, never early, and catches up in the end: what looks
         # otherwise is a missing sample.
         if np.min(self.jitter) < -0.75 or self.jitter[-1] > 0.75:
             return False
-        off = np.abs(self.jitter)
-        if np.quantile(off, 0.95) <= LARGEST_JITTER:
+        if self.even:
             return True
         digit = _last_digit(time)
         return bool(
-            digit < COARSEST_DIGIT * self.period and np.max(off) * self.period <= 0.55 * digit
+            digit < COARSEST_DIGIT * self.period and np.max(self.off) * self.period <= 0.55 * digit
         )
 
     def late_stamps(self) -> list[str]:
         """A note on stamps that are off by more than rounding and jitter."""
-        off = np.abs(self.jitter)
-        count = np.count_nonzero(off > CLEARLY_LATE)
-        if not count or np.quantile(off, 0.95) > LARGEST_JITTER:
+        count = np.count_nonzero(self.off > CLEARLY_LATE)
+        if not count or not self.even:
             return []
-        return [
-            f"late stamps: {count}, by up to {np.max(off) * self.period:.6g} s; taken as on time"
-        ]
+        latest = np.max(self.off) * self.period
+        return [f"late stamps: {count}, by up to {latest:.6g} s; taken as on time"]
 
 
 def _last_digit(time: Array) -> float:

@@ -30,7 +30,7 @@ from microgripper_control.recordings.mcap_records import (
     pairs_of_texts,
     texts,
 )
-from microgripper_control.recordings.storage import Block, Bytes, Topic
+from microgripper_control.recordings.storage import Block, Bytes, Topic, bytes_from
 
 MAGIC = b"\x89MCAP0\r\n"
 MESSAGE_HEAD = 22  # bytes: channel, sequence, time logged, time published
@@ -82,12 +82,12 @@ class McapFile:
             if not np.all(whole):
                 self._damaged.append(int(starts[~whole][0]))
                 starts, ends = starts[whole], ends[whole]
-            channels = records.data[starts[:, None] + np.arange(0, 2)].view("<u2")[:, 0]
+            channels = bytes_from(records.data, starts, np.arange(0, 2)).view("<u2")[:, 0]
             for topic, among in numbers.items():
                 mine = np.isin(channels, among)
                 if np.any(mine):
                     first, last = starts[mine], ends[mine]
-                    received = records.data[first[:, None] + np.arange(6, 14)].view("<i8")[:, 0]
+                    received = bytes_from(records.data, first, np.arange(6, 14)).view("<i8")[:, 0]
                     yield Block(topic, received, records.data, first + MESSAGE_HEAD, last)
 
     def close(self) -> None:

@@ -29,6 +29,13 @@ def _gather(data: Bytes, starts: Integers, offsets: Integers, found: Bytes) -> N
             found[i, j] = data[starts[i] + offsets[j]]
 
 
+def bytes_from(data: Bytes, starts: Integers, offsets: Integers) -> Bytes:
+    """The bytes at `offsets` behind each of `starts`, shape (starts, offsets)."""
+    found = np.empty((len(starts), len(offsets)), np.uint8)
+    _gather(data, starts, offsets, found)
+    return found
+
+
 @compiled
 def _compare(
     data: Bytes, starts: Integers, ends: Integers, offsets: Integers, size: int, found: Mask
@@ -102,9 +109,7 @@ class Block:
 
     def bytes_at(self, offsets: Integers, rows: Integers) -> Bytes:
         """The bytes at `offsets` of the messages `rows`, shape (rows, offsets)."""
-        found = np.empty((len(rows), len(offsets)), np.uint8)
-        _gather(self.data, self.starts[rows], offsets, found)
-        return found
+        return bytes_from(self.data, self.starts[rows], offsets)
 
 
 class StorageFile(Protocol):
