@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from typing import Any
 
 import typer
 
@@ -15,7 +16,7 @@ from microgripper_control.cli.repair import repair
 from microgripper_control.cli.simulate import simulate
 from microgripper_control.cli.stiffness import stiffness
 from microgripper_control.cli.validate import validate
-from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.errors import MicrogripperError, one_line
 
 app = typer.Typer(
     help="Simulate, control, identify and diagnose a piezo microgripper.",
@@ -28,12 +29,21 @@ for command in (identify, simulate, diagnose, validate, stiffness, repair, paper
 
 
 BAD_INPUT = 2
+UsageError: Any = typer.BadParameter.__base__  # typer does not export it, and may bring its own click
 
 
 def main() -> None:
     """Run the command line: exit status 0 on success, 2 on bad input with one line on stderr."""
     try:
-        app(spread_heldout(sys.argv[1:]))
+        sys.exit(app(spread_heldout(sys.argv[1:]), standalone_mode=False))
     except MicrogripperError as error:
-        print(f"microgripper: {error}", file=sys.stderr)
-        sys.exit(BAD_INPUT)
+        problem = str(error)
+    except UsageError as error:
+        problem = one_line(error.format_message())
+        if not problem:  # no arguments at all: the help has been shown instead
+            sys.exit(BAD_INPUT)
+        problem = problem.rstrip(".")
+        if error.ctx is not None:
+            problem += f"; see {error.ctx.command_path} --help"
+    print(f"microgripper: {problem}", file=sys.stderr)
+    sys.exit(BAD_INPUT)

@@ -1,0 +1,39 @@
+"""A mistyped command line gets one line that says what to type instead."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (("identify", "x.csv", "--out", "y"), "'--model'"),
+        (("identify", "--modell", "x"), "--modell"),
+        (("identfy",), "identfy"),
+        (("simulate", "--hold", "second", "x.csv"), "second"),
+        (("validate", "--seed", "-1", "--out", "x"), "--seed"),
+    ],
+)
+def test_bad_usage_is_one_line(
+    microgripper: Callable[..., Any], words: tuple[str, ...], says: str
+) -> None:
+    ran = microgripper(*words)
+    assert (ran.status, ran.out, ran.err.count("\n")) == (2, "", 1)
+    assert says in ran.err
+    assert ran.err.endswith("--help\n")
+
+
+def test_no_arguments_are_a_question_for_help(microgripper: Callable[..., Any]) -> None:
+    ran = microgripper()
+    assert (ran.status, ran.err) == (2, "")
+    assert "identify" in ran.out
+
+
+def test_help_is_no_error(microgripper: Callable[..., Any]) -> None:
+    ran = microgripper("identify", "--help")
+    assert (ran.status, ran.err) == (0, "")
+    assert "--model" in ran.out
