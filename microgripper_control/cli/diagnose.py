@@ -27,7 +27,14 @@ from microgripper_control.core.files import make_folder
 from microgripper_control.core.quantities import quantity
 from microgripper_control.diagnosis.diagnose import diagnose as find_causes
 from microgripper_control.diagnosis.findings import Candidate, Diagnosis
-from microgripper_control.diagnosis.result_file import as_json, write_result
+from microgripper_control.diagnosis.result_file import (
+    MODEL,
+    NEXT_EXPERIMENT,
+    REPORT,
+    RESULT,
+    as_json,
+    write_result,
+)
 from microgripper_control.diagnosis.rounds import Progress as OnProgress
 from microgripper_control.diagnosis.schedule import cluster
 from microgripper_control.effects.registry import link_named
@@ -83,19 +90,25 @@ def diagnose(
         found = find_causes(
             nominal, given, kept_apart, Conditions(hold, initial), on_progress, jobs, left_out
         )
-    write_files(found, out)
+    write_files(found, out, maps or ())
     if json_:
         typer.echo(json.dumps(as_json(found, out), allow_nan=False))
         return
     show(found, Console(highlight=False, soft_wrap=True))
-    typer.echo(f"written: {out / 'report.html'}, diagnosis.json, model.yaml")
+    names = [
+        str(out / REPORT),
+        RESULT,
+        MODEL,
+        *([NEXT_EXPERIMENT] if found.next_experiment else []),
+    ]
+    typer.echo(f"written: {', '.join(names)}")
 
 
-def write_files(found: Diagnosis, folder: Path) -> None:
-    """Write the model, the result and the report into a folder."""
-    save_model(found.model, folder / "model.yaml")
+def write_files(found: Diagnosis, folder: Path, maps: Sequence[str] = ()) -> None:
+    """Write the model, the result and the report into a folder; `maps` as in the command line."""
+    save_model(found.model, folder / MODEL)
     write_result(found, folder)
-    write_diagnosis_report(found, folder / "report.html")
+    write_diagnosis_report(found, folder / REPORT, maps)
 
 
 def show(found: Diagnosis, console: Console) -> None:

@@ -14,7 +14,7 @@ from microgripper_control.effects.registry import registry
 from microgripper_control.plant.model import Setting
 
 SCHEMA = "microgripper-diagnosis/1"
-RESULT = "diagnosis.json"
+REPORT, RESULT, MODEL = "report.html", "diagnosis.json", "model.yaml"  # in a diagnosis's folder
 NEXT_EXPERIMENT = "next_experiment.csv"
 
 

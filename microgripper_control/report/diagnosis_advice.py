@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Sequence
+from pathlib import Path
 
 from microgripper_control.diagnosis.findings import Diagnosis
+from microgripper_control.diagnosis.result_file import MODEL, NEXT_EXPERIMENT
 from microgripper_control.effects.registry import registry
 from microgripper_control.plant.model import Key, Model
 from microgripper_control.report.markup import Html, element, joined
 from microgripper_control.report.wording import listed, number, scaled, span
-
-NEXT_CSV = "next_experiment.csv"
-MODEL_FILE = "model.yaml"
 
 
 def parameters(diagnosis: Diagnosis) -> Html | None:
@@ -37,9 +36,9 @@ def parameters(diagnosis: Diagnosis) -> Html | None:
         element(
             "p",
             "Where an effect was missing, the refit alone bends these towards it; the last values "
-            f"belong to {MODEL_FILE}."
+            f"belong to {MODEL}."
             if diagnosis.effects
-            else f"The values of {MODEL_FILE}.",
+            else f"The values of {MODEL}.",
             class_="note",
         ),
     )
@@ -81,7 +80,9 @@ def next_experiment(diagnosis: Diagnosis) -> Html | None:
         element("p", f"It tells apart: {listed(experiment.separates)}.")
         if experiment.separates
         else None,
-        figure("next", "Voltage to apply", f"The samples are in {NEXT_CSV}, beside this page."),
+        figure(
+            "next", "Voltage to apply", f"The samples are in {NEXT_EXPERIMENT}, beside this page."
+        ),
     )
 
 
@@ -93,22 +94,26 @@ def warnings(diagnosis: Diagnosis) -> Html | None:
     return element("section", element("h2", "Warnings"), items, id="warnings")
 
 
-def repeating(diagnosis: Diagnosis) -> Html:
-    """The command that gives the reported error again."""
+def repeating(diagnosis: Diagnosis, folder: Path, maps: Sequence[str]) -> Html:
+    """The commands that give the reported errors again, with the model that lies in `folder`.
+
+    `maps` are the values of `--map` with which the recordings were read.
+    """
     conditions = diagnosis.conditions
-    commands = [
-        f"microgripper simulate --model {MODEL_FILE} {shlex.quote(judged.recording.name)} "
-        f"--hold {conditions.hold.value} --initial {conditions.initial.value} "
-        f"--out predicted.csv"
-        for judged in diagnosis.judged
+    options = [
+        *("--hold", conditions.hold.value, "--initial", conditions.initial.value),
+        *(word for one in maps for word in ("--map", one)),
+        *("--out", "predicted.csv"),
     ]
+    model = ("microgripper", "simulate", "--model", str(folder / MODEL))
+    commands = [shlex.join([*model, one.recording.name, *options]) for one in diagnosis.judged]
     return element(
         "section",
         element("h2", "How to repeat it"),
         element(
             "p",
-            "Each command prints the error of the final model on one recording, as it was judged "
-            "here: the recording's own zero and initial state are fitted on blocks 1, 3, 5, 7, 9 "
+            "Given where the diagnosis was made, each command prints the error of the final model on "
+            "one recording, as it was judged here: the recording's own zero and initial state are fitted on blocks 1, 3, 5, 7, 9 "
             "of ten, the error is taken on the others.",
         ),
         element("pre", element("code", "\n".join(commands)), tabindex="0"),

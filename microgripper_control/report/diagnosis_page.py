@@ -10,6 +10,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
+from collections.abc import Sequence
 from importlib.resources import files
 from pathlib import Path, PurePath
 
@@ -66,9 +67,10 @@ FIGURES = (
 )
 
 
-def write_diagnosis_report(diagnosis: Diagnosis, path: Path) -> None:
+def write_diagnosis_report(diagnosis: Diagnosis, path: Path, maps: Sequence[str] = ()) -> None:
     """Write the report as one self-contained page; it appears whole or not at all.
 
+    The model lies beside it; `maps` are the values of `--map` that the recordings were read with.
     Raises MicrogripperError where the place cannot be written.
     """
     scripts = [_asset(f"{name}.js") for name in SCRIPTS]
@@ -83,14 +85,19 @@ def write_diagnosis_report(diagnosis: Diagnosis, path: Path) -> None:
             element("title", title),
             element("style", Html(_asset("diagnosis.css"))),
         ),
-        element("body", element("main", *_sections(diagnosis)), _data(diagnosis), *_run(scripts)),
+        element(
+            "body",
+            element("main", *_sections(diagnosis, path.parent, maps)),
+            _data(diagnosis),
+            *_run(scripts),
+        ),
         lang="en",
     )
     with written_whole(path) as file:
         file.write(f"<!doctype html>\n{page}\n")
 
 
-def _sections(diagnosis: Diagnosis) -> list[Html | None]:
+def _sections(diagnosis: Diagnosis, folder: Path, maps: Sequence[str]) -> list[Html | None]:
     """In the order in which a technician reads."""
     return [
         head(diagnosis),
@@ -104,7 +111,7 @@ def _sections(diagnosis: Diagnosis) -> list[Html | None]:
         advice.parameters(diagnosis),
         advice.next_experiment(diagnosis),
         advice.warnings(diagnosis),
-        advice.repeating(diagnosis),
+        advice.repeating(diagnosis, folder, maps),
     ]
 
 

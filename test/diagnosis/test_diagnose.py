@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import html
 import json
+import re
+import shlex
 from collections.abc import Callable
 from pathlib import Path
 
@@ -240,6 +243,24 @@ def test_simulate_repeats_the_held_out_error_to_the_last_digit(files: Path) -> N
     )
     assert again["rmse_m"] == found["gap"]["augmented_rmse_m"]
     assert (out / "report.html").stat().st_size > 1e5
+
+
+def test_the_report_says_how_to_repeat_it_with_other_peoples_columns(files: Path) -> None:
+    out, theirs = files / "mapped", ["voltage=u", "displacement=x*1e-6"]
+    header, *rows = (files / "run.csv").read_text().splitlines()
+    order = header.split(",")
+    assert order == ["time_s", "voltage_V", "displacement_m"]
+    micro = [(t, u, float(x) * 1e6) for t, u, x in (row.split(",") for row in rows)]
+    (files / "theirs.csv").write_text(
+        "time_s,u,x\n" + "".join(f"{t},{u},{x!r}\n" for t, u, x in micro)
+    )
+    maps = [word for one in theirs for word in ("--map", one)]
+    run("diagnose", "--model", files / "model.yaml", files / "theirs.csv", *maps, "--out", out)
+    page = html.unescape((out / "report.html").read_text())
+    (command,) = re.findall(r"microgripper (simulate --model .*) --out predicted.csv", page)
+    again = run(*shlex.split(command), "--out", out / "predicted.csv", "--json")
+    found = json.loads((out / "diagnosis.json").read_text())
+    assert json.loads(again)["rmse_m"] == found["gap"]["augmented_rmse_m"]
 
 
 def test_what_is_found_does_not_depend_on_how_many_work(files: Path) -> None:

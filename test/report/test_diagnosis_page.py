@@ -60,7 +60,8 @@ def test_it_reads_in_the_order_of_a_technician(page: Path) -> None:
         "Warnings",
         "How to repeat it",
     ]
-    assert "microgripper simulate --model model.yaml &#x27;first run&#x27; --hold zero" in text
+    model = page.parent / "model.yaml"
+    assert f"microgripper simulate --model {model} &#x27;first run&#x27; --hold zero" in text
     assert "1 of them could not be fitted" in text
     assert "contradicts" in text
 
