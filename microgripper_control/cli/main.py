@@ -29,9 +29,7 @@ for command in (identify, simulate, diagnose, validate, stiffness, repair, paper
 
 
 BAD_INPUT = 2
-UsageError: Any = (
-    typer.BadParameter.__base__
-)  # typer does not export it, and may bring its own click
+UsageError: Any = typer.BadParameter.__base__  # typer exports it not, and may bring its own click
 
 
 def main() -> None:

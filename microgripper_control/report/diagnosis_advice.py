@@ -112,9 +112,9 @@ def repeating(diagnosis: Diagnosis, folder: Path, maps: Sequence[str]) -> Html:
         element("h2", "How to repeat it"),
         element(
             "p",
-            "Given where the diagnosis was made, each command prints the error of the final model on "
-            "one recording, as it was judged here: the recording's own zero and initial state are fitted on blocks 1, 3, 5, 7, 9 "
-            "of ten, the error is taken on the others.",
+            "Given where the diagnosis was made, each command prints the error of the final model "
+            "on one recording, as it was judged here: the recording's own zero and initial state "
+            "are fitted on blocks 1, 3, 5, 7, 9 of ten, the error is taken on the others.",
         ),
         element("pre", element("code", "\n".join(commands)), tabindex="0"),
     )
