@@ -27,6 +27,7 @@ from microgripper_control.core.files import make_folder
 from microgripper_control.core.quantities import quantity
 from microgripper_control.diagnosis.diagnose import diagnose as find_causes
 from microgripper_control.diagnosis.findings import Candidate, Diagnosis
+from microgripper_control.diagnosis.places import where
 from microgripper_control.diagnosis.result_file import (
     MODEL,
     NEXT_EXPERIMENT,
@@ -42,7 +43,6 @@ from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.model_file import save_model
 from microgripper_control.plant.simulate import Hold, Initial
 from microgripper_control.report.diagnosis_page import write_diagnosis_report
-from microgripper_control.report.wording import where
 
 HELDOUT = "--heldout"
 SHOWN = 6  # candidates in the printed table

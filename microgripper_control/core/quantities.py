@@ -8,6 +8,7 @@ PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 PREFIXED = ("m", "s", "Hz", "V", "N", "N/m", "V/s")  # units that take a prefix
 NOT_ABOVE_ONE = ("s", "V", "V/s")  # nobody says kiloseconds,
 NOT_BELOW_ONE = ("Hz", "V/s")  # or millihertz
+SAME = 6  # digits in which the ends of a range differ, or it has none
 
 
 def number(value: float, digits: int = 2) -> str:
@@ -33,6 +34,22 @@ def quantity(value: float, unit: str, digits: int = 2) -> str:
         return f"{number(value, digits)} {unit}"
     power = power_of(unit, float(f"{value:.{digits - 1}e}"))
     return f"{number(value / 10.0**power, digits)} {PREFIXES[power]}{unit}"
+
+
+def span(low: float, high: float, unit: str, digits: int = 2) -> str:
+    """A range, its ends in one unit, with as many digits as tell them apart: `12 to 19 µm`."""
+    if math.isinf(high):
+        return f"above {quantity(low, unit, digits)}"
+    if math.isinf(low):
+        return f"below {quantity(high, unit, digits)}"
+    if number(low, SAME) == number(high, SAME):
+        return f"about {quantity(low, unit, digits)}"
+    prefixed = unit in PREFIXED
+    power = power_of(unit, max(abs(low), abs(high))) if prefixed else 0
+    while number(low, digits) == number(high, digits):
+        digits += 1
+    ends = f"{number(low / 10.0**power, digits)} to {number(high / 10.0**power, digits)}"
+    return f"{ends} {PREFIXES[power] if prefixed else ''}{unit}"
 
 
 def percent(share: float, digits: int = 2) -> str:

@@ -25,6 +25,7 @@ class Range:
     low: float
     high: float
     share_of_gap: float
+    bend: float | None = None  # the end of it at which the error takes another slope, if it does
 
 
 @dataclass(frozen=True)

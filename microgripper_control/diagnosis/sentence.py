@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 
 from microgripper_control.core.quantities import number, percent, quantity
@@ -15,6 +14,7 @@ from microgripper_control.diagnosis.findings import (
     Range,
 )
 from microgripper_control.diagnosis.noise import removable
+from microgripper_control.diagnosis.places import clause
 from microgripper_control.effects.base import Scales, Values
 from microgripper_control.effects.registry import registry
 from microgripper_control.plant.model import Model, Setting
@@ -22,17 +22,8 @@ from microgripper_control.plant.model import Model, Setting
 MOVED = 0.01  # of a parameter: a smaller correction is not spoken of
 MOST_MOVED = 3
 VAGUE = 0.1  # of a value: a wider interval is spoken of
+UNDRIVEN = ("time_s", "frequency_Hz")  # axes along which a disturbance may lie
 EXPLAINABLE = 0.2  # of a gap: less of it, and the voltage is hardly its cause
-
-# Of each axis: its unit, and where a range of it lies.
-PLACES = {
-    "frequency_Hz": ("Hz", "at frequencies {}"),
-    "displacement_m": ("m", "at displacements {}"),
-    "voltage_V": ("V", "at voltages {}"),
-    "rate_V_per_s": ("V/s", "while the voltage changes by {}"),
-    "time_s": ("s", "at times {}"),
-    "hold_time_s": ("s", "{} after the voltage has come to rest"),
-}
 
 
 def sentence(
@@ -72,23 +63,6 @@ def described(name: str, values: Values, scales: Scales) -> str:
     """What an effect with these values does to the rig, as a clause."""
     link = registry()[name]
     return link.says(values, scales) if link.says else f"the rig shows {link.title}"
-
-
-def place(found: Range) -> str:
-    """Where a range lies, to be read after a verb."""
-    if found.axis == "direction":
-        if found.low < 0.0 < found.high:
-            return "on rising and falling voltage alike"
-        return f"on {'rising' if found.high > 0.0 else 'falling'} voltage"
-    unit, phrase = PLACES[found.axis]
-    if math.isinf(found.high):
-        return phrase.format(f"above {quantity(found.low, unit)}")
-    if math.isinf(found.low):
-        return phrase.format(f"below {quantity(found.high, unit)}")
-    ends = f"{quantity(found.low, unit)} to {quantity(found.high, unit)}"
-    if found.low == found.high:
-        ends = f"about {quantity(found.low, unit)}"
-    return phrase.format(f"of {ends}" if phrase.startswith("at") else ends)
 
 
 def _sentence(clause: str) -> str:
@@ -199,10 +173,11 @@ def _moved(nominal: Model, model: Model) -> str:
 
 def _unexplained(gap: Gap, where: Sequence[Range], floor: str) -> str:
     """A real gap that no candidate explains."""
-    lies = ""
-    if where:
-        lies = f"; {percent(where[0].share_of_gap)} of its power lies {place(where[0])}"
-    if gap.free_form < EXPLAINABLE:
+    foreign = gap.free_form < EXPLAINABLE
+    # Where it lies on an axis that the voltage drives would read as if the voltage were its cause.
+    told = [found for found in where if not foreign or found.axis in UNDRIVEN]
+    lies = f"; {clause(told[0], 'its')}" if told else ""
+    if foreign:
         cause = "Hardly any of it follows from the voltage: look for a disturbance."
     else:
         cause = (

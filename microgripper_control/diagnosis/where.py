@@ -45,7 +45,7 @@ class _Found:
 
 
 def locate(residuals: Sequence[Residual], noise: float) -> list[Range]:
-    """The ranges that hold most of the gap, the most concentrated first.
+    """The ranges that hold most of the gap or begin at a bend, the most concentrated first.
 
     `noise` is the standard deviation of the white noise, m. `low` and `high` are in the axis's own
     unit; of `direction` both are -1 or 1. Empty where there is no gap, or none of it anywhere in
@@ -214,7 +214,7 @@ def _bends(residuals: Sequence[Residual], noise: float) -> list[_Found]:
         inside = (values >= onset.low) & (values <= onset.high)
         share = float(np.clip(np.sum(power[inside]) / np.sum(power), 0.0, 1.0))
         # A bend is the sharper of two signs: what it explains counts, not where the power went.
-        place = Range(axis, onset.low, onset.high, share)
+        place = Range(axis, onset.low, onset.high, share, bend=onset.place)
         found.append(_Found(place, 10.0 * onset.explained))
     return found
 

@@ -26,7 +26,7 @@ from microgripper_control.report.diagnosis_layers import (
 )
 from microgripper_control.report.diagnosis_loops import directions, loops
 from microgripper_control.report.diagnosis_map import residual_map
-from microgripper_control.report.figure_data import Figure, lines, over_time, series
+from microgripper_control.report.figure_data import Figure, height, lines, over_time, series
 from microgripper_control.report.residual_views import (
     Grid,
     Holds,
@@ -51,11 +51,11 @@ def recording_figures(diagnosis: Diagnosis, judged: Judged) -> dict[str, Figure 
     residuals = [(layer, layer.residual(judged)) for layer in each]
     pair = residuals[-2:]
     return {
-        **_over_time(diagnosis, judged, residuals, values),
+        **_over_time(diagnosis, judged, residuals, values, counts),
         "spectrum": _spectrum(diagnosis, recording, residuals, counts),
         "map": residual_map(diagnosis, Grid.of(recording, voltage), pair, counts),
         "holds": _holds(diagnosis, recording, pair, counts),
-        **loops(diagnosis, judged, each, voltage, values),
+        **loops(diagnosis, judged, each, voltage, values, counts),
         "directions": directions(diagnosis, voltage, pair, counts),
     }
 
@@ -67,7 +67,11 @@ def next_figure(experiment: NextExperiment) -> Figure:
 
 
 def _over_time(
-    diagnosis: Diagnosis, judged: Judged, residuals: Sequence[tuple[Layer, Array]], values: int
+    diagnosis: Diagnosis,
+    judged: Judged,
+    residuals: Sequence[tuple[Layer, Array]],
+    values: int,
+    counts: Mask,
 ) -> dict[str, Figure | None]:
     recording = judged.recording
     bands = [*_judging_times(judged), *gap_bands(diagnosis, "time_s")]
@@ -81,7 +85,13 @@ def _over_time(
         for each, _ in residuals
     ]
     left = [
-        line(each.name, each.colour, NANO * residual, hidden=each.hidden)
+        line(
+            each.name,
+            each.colour,
+            NANO * residual,
+            hidden=each.hidden,
+            height=height(NANO * residual[counts]),
+        )
         for each, residual in residuals
     ]
     time = ("time", "s")

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.findings import Diagnosis, Judged
+from microgripper_control.diagnosis.places import AXES
 from microgripper_control.report.figure_data import Figure
-from microgripper_control.report.wording import AXES, listed, span
+from microgripper_control.report.wording import listed, span
 
 INK, BEFORE, AFTER, GIVEN, GREY = "#1b1f24", "#c04a00", "#0067a8", "#7d8894", "#5b6670"
 MICRO, NANO = 1e6, 1e9  # displacements are drawn in µm, residuals in nm
@@ -45,7 +46,7 @@ def layers(diagnosis: Diagnosis) -> tuple[Layer, ...]:
 
 def gap_bands(diagnosis: Diagnosis, axis: str) -> list[Figure]:
     """Where the gap lies on an axis."""
-    unit = AXES[axis][1]
+    unit = AXES[axis].unit
     return [
         {
             "low": found.low,

@@ -5,24 +5,30 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.findings import Diagnosis, Judged
 from microgripper_control.identification.nuisance import Mask
 from microgripper_control.report.decimation import packed, path
 from microgripper_control.report.diagnosis_layers import INK, MICRO, NANO, Layer, gap_bands
-from microgripper_control.report.figure_data import Figure, lines, series
+from microgripper_control.report.figure_data import Figure, height, lines, series
 from microgripper_control.report.residual_views import over_voltage
 
 LOOP_SHARE = 24  # of a curve's values, the buckets of a loop
 
 
 def loops(
-    diagnosis: Diagnosis, judged: Judged, each: Sequence[Layer], voltage: Array, values: int
+    diagnosis: Diagnosis,
+    judged: Judged,
+    each: Sequence[Layer],
+    voltage: Array,
+    values: int,
+    counts: Mask,
 ) -> dict[str, Figure]:
     """Displacement over voltage, as it is and without the straight line that fits it best."""
     measured = judged.recording.measured
-    gain, zero = map(float, np.polyfit(voltage, measured, 1))
+    gain, zero = map(float, np.polyfit(voltage[counts], measured[counts], 1))
     corners = path([voltage, measured, measured - gain * voltage], values // LOOP_SHARE)
     at = voltage[corners]
     shared = {
@@ -33,16 +39,29 @@ def loops(
     }
     found = {}
     for name, label, line in (
-        ("loops", "displacement", np.zeros(len(at))),
-        ("hysteresis", "displacement off the straight line", gain * at + zero),
+        ("loops", "displacement", np.zeros(len(voltage))),
+        ("hysteresis", "displacement off the straight line", gain * voltage + zero),
     ):
-        y = packed(MICRO * (measured[corners] - line))
-        drawn = [series("measured", INK, None, y, width=2.2)]
+        drawn = [_course("measured", INK, measured - line, corners, counts, width=2.2)]
         for layer in each:
-            y = packed(MICRO * (getattr(judged, layer.field)[corners] - line))
-            drawn.append(series(layer.name, layer.colour, None, y, hidden=layer.hidden))
+            off = getattr(judged, layer.field) - line
+            drawn.append(
+                _course(layer.name, layer.colour, off, corners, counts, hidden=layer.hidden)
+            )
         found[name] = {**lines(("voltage", "V"), (label, "µm"), drawn), **shared}
     return found
+
+
+def _course(
+    name: str,
+    colour: str,
+    displacement: Array,
+    corners: NDArray[np.int64],
+    counts: Mask,
+    **style: object,
+) -> Figure:
+    micro = MICRO * displacement
+    return series(name, colour, None, packed(micro[corners]), height=height(micro[counts]), **style)
 
 
 def directions(

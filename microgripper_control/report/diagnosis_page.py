@@ -36,7 +36,12 @@ FIGURES = (
         "together. Grey: where errors are taken. Press a name to show or hide its line.",
     ),
     ("voltage", "Voltage", ""),
-    ("residual", "What the model leaves", "Measured minus simulated."),
+    (
+        "residual",
+        "What the model leaves",
+        "Measured minus simulated. The whole range makes room for the samples that are compared: "
+        "not for what answers to the time before the recording, nor for samples filled in.",
+    ),
     (
         "spectrum",
         "Spectrum of the residual",

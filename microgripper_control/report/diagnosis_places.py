@@ -10,9 +10,10 @@ import numpy as np
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.findings import Diagnosis, Range
+from microgripper_control.diagnosis.places import AXES, where
 from microgripper_control.report.markup import Html, element, joined
 from microgripper_control.report.residual_views import Holds, rate_of
-from microgripper_control.report.wording import AXES, number, scaled, where
+from microgripper_control.report.wording import number, scaled, unbroken
 
 LOGARITHMIC = ", log scale"
 NARROWEST = 1.0  # % of the axis, so that a line in a spectrum is seen
@@ -23,7 +24,7 @@ def places(diagnosis: Diagnosis) -> Html | None:
     if not diagnosis.where:
         return None
     items = (
-        element("li", element("p", where(found)), _strip(found, diagnosis))
+        element("li", element("p", unbroken(where(found))), _strip(found, diagnosis))
         for found in diagnosis.where
     )
     return element(

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from microgripper_control.core.signals import Array
 from microgripper_control.report.decimation import extremes, packed
 
@@ -14,11 +16,17 @@ Figure = dict[str, object]
 
 
 def series(name: str, colour: str, x: Figure | None, y: Figure, **style: object) -> Figure:
-    """A line through packed values; `style`: width (pixels), dash, dots, hidden.
+    """A line through packed values; `style`: width (pixels), dash, dots, hidden, height.
 
-    Without an x it lies over the figure's `across`.
+    Without an x it lies over the figure's `across`. `height`, the lowest and the highest value,
+    is what the whole figure makes room for; without it, all values.
     """
     return {"name": name, "colour": colour, "x": x, "y": y, **style}
+
+
+def height(values: Array) -> tuple[float, float] | None:
+    """The lowest and the highest of some values; None if there are none."""
+    return (float(np.min(values)), float(np.max(values))) if len(values) else None
 
 
 def over_time(

@@ -1,4 +1,4 @@
-"""How the diagnosis speaks: names, quantities with their units, ranges, where a gap lies."""
+"""How the diagnosis speaks: names, quantities with their units, ranges."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 import re
 
 from microgripper_control.core.quantities import PREFIXED, PREFIXES, power_of
-from microgripper_control.diagnosis.findings import EFFECTS, NONE, PARAMETERS, UNKNOWN, Range
+from microgripper_control.diagnosis.findings import EFFECTS, NONE, PARAMETERS, UNKNOWN
 
 MINUS, TIMES, ABSENT = "\u2212", "\u00d7", "\u2013"
 RAISED = str.maketrans("-0123456789n", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹ⁿ")
@@ -24,17 +24,6 @@ ANSWERS = {
     NONE: "none: the model is right as given",
     PARAMETERS: "parameters: only mistuned",
     UNKNOWN: "unknown: something not in the library",
-}
-
-# Of each axis: its name, its unit and how a range on it is put.
-AXES = {
-    "frequency_Hz": ("frequency", "Hz", "at frequencies of {}"),
-    "displacement_m": ("displacement", "m", "at displacements of {}"),
-    "voltage_V": ("voltage", "V", "at voltages of {}"),
-    "rate_V_per_s": ("voltage rate", "V/s", "while the voltage changes by {}"),
-    "time_s": ("time", "s", "between {} of the recording"),
-    "hold_time_s": ("time at rest", "s", "{} after the voltage has come to rest"),
-    "direction": ("direction", "1", "{}"),
 }
 
 
@@ -127,15 +116,3 @@ def percent(share: float, digits: int = 0) -> str:
     if 99.5 <= value < 100.0 and digits == 0:
         return "> 99\u00a0%"
     return f"{value:.{digits}f}\u00a0%".replace("-", MINUS)
-
-
-def where(found: Range) -> str:
-    """One line of where the gap lies, as a sentence."""
-    _, unit, phrase = AXES[found.axis]
-    if found.axis != "direction":
-        place = phrase.format(span(found.low, found.high, unit, 2))
-    elif found.low < 0.0 < found.high:
-        place = "on both rising and falling voltage"
-    else:
-        place = "on rising voltage" if found.high > 0.0 else "on falling voltage"
-    return f"{percent(found.share_of_gap)} of the gap's power lies {place}."

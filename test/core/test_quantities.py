@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from microgripper_control.core.quantities import number, percent, quantity
+from microgripper_control.core.quantities import number, percent, quantity, span
 
 
 @pytest.mark.parametrize(
@@ -44,6 +44,25 @@ def test_a_quantity_takes_the_prefix_in_which_it_reads_best(
     value: float, unit: str, expected: str
 ) -> None:
     assert quantity(value, unit) == expected
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "unit", "expected"),
+    [
+        (9e-9, 1.2e-7, "m", "9.0 to 120 nm"),
+        (49.5, 50.3, "Hz", "49.5 to 50.3 Hz"),
+        (929.99999999, 930.0, "V/s", "about 930 V/s"),
+        (0.0, 0.2, "Hz", "0 to 0.20 Hz"),
+        (-5.0, 5.0, "V", "-5.0 to 5.0 V"),
+        (31.0, math.inf, "s", "above 31 s"),
+        (-math.inf, 0.5, "s", "below 500 ms"),
+        (1.0, 2.5, "kg", "1.0 to 2.5 kg"),
+    ],
+)
+def test_a_range_has_one_unit_and_says_where_it_is_open(
+    low: float, high: float, unit: str, expected: str
+) -> None:
+    assert span(low, high, unit) == expected
 
 
 def test_a_share_is_a_percentage() -> None:

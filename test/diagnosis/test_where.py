@@ -23,8 +23,8 @@ from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.findings import Range
 from microgripper_control.diagnosis.freeform import explainable
 from microgripper_control.diagnosis.holds import growth_in_holds
+from microgripper_control.diagnosis.places import place
 from microgripper_control.diagnosis.residuals import Residual
-from microgripper_control.diagnosis.sentence import place
 from microgripper_control.diagnosis.signatures import signatures
 from microgripper_control.diagnosis.where import locate, recent_rate
 

@@ -6,14 +6,12 @@ import math
 
 import pytest
 
-from microgripper_control.diagnosis.findings import Range
 from microgripper_control.report.wording import (
     number,
     percent,
     quantity,
     span,
     unbroken,
-    where,
     written,
 )
 
@@ -80,20 +78,3 @@ def test_units_are_written_as_people_do() -> None:
 def test_numbers_stay_with_their_units_and_intervals_in_one_piece() -> None:
     text = "from 69 nm to 17 nm in 3 steps: 88 % [84, 91] of it"
     assert unbroken(text).count("\u00a0") == 4
-
-
-@pytest.mark.parametrize(
-    ("found", "text"),
-    [
-        (Range("frequency_Hz", 49.5, 50.5, 0.81), "81 % {} at frequencies of 49.5 to 50.5 Hz."),
-        (Range("displacement_m", 1.2e-5, 1.9e-5, 0.5), "50 % {} at displacements of 12 to 19 µm."),
-        (
-            Range("hold_time_s", 0.03, 0.3, 0.4),
-            "40 % {} 30 to 300 ms after the voltage has come to rest.",
-        ),
-        (Range("direction", -1.0, -1.0, 0.6), "60 % {} on falling voltage."),
-        (Range("direction", -1.0, 1.0, 1.0), "100 % {} on both rising and falling voltage."),
-    ],
-)
-def test_where(found: Range, text: str) -> None:
-    assert plain_spaces(where(found)) == text.format("of the gap's power lies")

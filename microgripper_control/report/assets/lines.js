@@ -105,11 +105,12 @@ class LineChart {
     this.showCursor();
   }
 
-  /** The range of the lines that are shown, between two places. */
+  /** The range of the lines that are shown, between two places; of all, what they say of it. */
   heightOf(low, high) {
     const { y: axis, levels = [] } = this.spec;
+    const within = (line) => line.y.filter((_, i) => line.x[i] >= low && line.x[i] <= high);
     const shown = this.series.filter((line) => line.shown);
-    const near = shown.map((line) => line.y.filter((_, i) => line.x[i] >= low && line.x[i] <= high));
+    const near = shown.map((line) => (this.group.range === null && line.height) || within(line));
     const [bottom, top] = extent([...near, levels.map((level) => level.y)]);
     if (axis.log) return [bottom / 1.6, top * 1.3];
     const room = 0.05 * (top - bottom) || 0.5 * Math.abs(top) || 1;
