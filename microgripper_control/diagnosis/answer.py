@@ -15,7 +15,7 @@ from microgripper_control.diagnosis.findings import (
 )
 from microgripper_control.diagnosis.noise import removable
 from microgripper_control.diagnosis.pool import Pool
-from microgripper_control.diagnosis.trial import Trial
+from microgripper_control.diagnosis.trial import Trial, limits_of
 from microgripper_control.diagnosis.weighing import (
     MISTUNED,
     NOTHING,
@@ -155,9 +155,10 @@ def _note(name: str, pool: Pool) -> str:
     if trial is None:
         return pool.failures.get(name, "")
     bounds = []
+    limits = limits_of(pool.evidence, [name])
     for parameter in registry()[name].parameters:
         value = trial.model.value(name, parameter.name)
-        for bound in (parameter.low, parameter.high):
+        for bound in limits.get((name, parameter.name), (parameter.low, parameter.high)):
             near = abs(value - bound) <= AT_BOUND * max(abs(bound), abs(value))
             if parameter.fitted and near and bound != parameter.vanishing:
                 bounds.append(f"{parameter.name} at its bound {bound:g} {parameter.unit}")

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
 
+from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.trial import Trial, problem_of
@@ -35,8 +37,16 @@ def identified(evidence: Evidence, trial: Trial) -> Model:
         if key == DELAY and evidence.conditions.hold is Hold.ZERO:
             period = max(recording.sample_period for recording in evidence.fitted)
             bounds = _without_a_trace(problem, z, index, period)
-        settings[key] = Setting(value, bounds)
+        settings[key] = Setting(value, allowed(bounds, registry()[key[0]].parameter(key[1])))
     return _as_observed(problem, z, trial.model.with_settings(settings))
+
+
+def allowed(bounds: tuple[float, float], parameter: Parameter) -> tuple[float, float]:
+    """An interval as far as the parameter may go; infinite if that tells nothing of it."""
+    low, high = bounds
+    if low <= parameter.low and high >= parameter.high:
+        return -math.inf, math.inf
+    return parameter.nearest(low), parameter.nearest(high)
 
 
 def _without_a_trace(problem: Problem, z: Array, index: int, period: float) -> tuple[float, float]:

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from microgripper_control.core.quantities import percent, quantity, span
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.findings import Signature
 from microgripper_control.diagnosis.holds import growth_in_holds
@@ -23,7 +24,6 @@ from microgripper_control.identification.nuisance import Mask
 SURE = 4.0  # standard errors
 BROAD = 8.0  # highest over lowest frequency: motion that tells a delay from a loop
 REAL = 0.1  # of the noise's power: a gap that can be looked at
-UM, NM = 1e6, 1e9
 
 
 def lateness_of(residuals: Sequence[Residual], noise: float) -> list[Signature]:
@@ -33,8 +33,8 @@ def lateness_of(residuals: Sequence[Residual], noise: float) -> list[Signature]:
     if late is None or gap_power(residuals, noise) <= REAL * noise**2:
         return [Signature(name, None, "Nothing moves fast enough to tell.") for name in names]
     text = (
-        f"The rig is {1e3 * late.delay:.3g} ms behind the model, which explains "
-        f"{late.explained:.0%} of the gap"
+        f"The rig is {quantity(late.delay, 's')} behind the model, which explains "
+        f"{percent(late.explained)} of the gap"
     )
     if late.delay < 0.0 or late.explained < 0.01:
         # At one frequency alone a refit hides a delay in the width of the loop.
@@ -43,11 +43,11 @@ def lateness_of(residuals: Sequence[Residual], noise: float) -> list[Signature]:
     if late.explained < 0.2:
         return [Signature(name, None, text + ".") for name in names]
     if late.loss == 0.0:
-        text += f"; at {late.highest:.3g} Hz and below delay and lag look the same."
+        text += f"; at {quantity(late.highest, 'Hz')} and below delay and lag look the same."
         return [Signature(name, True, text) for name in names]
     text += (
-        f"; at {late.highest:.3g} Hz it lags {late.phase:.2g} rad and loses {late.loss:.2g} "
-        "times the amplitude that a first-order lag would."
+        f"; at {quantity(late.highest, 'Hz')} it lags {late.phase:.2g} rad and loses "
+        f"{late.loss:.2g} times the amplitude that a first-order lag would."
     )
     delay, lag = late.loss < 0.3, late.loss > 0.1
     verdicts = (delay or (False if late.loss > 0.6 else None), *[lag or None] * 2)
@@ -67,8 +67,8 @@ def slew_limit(residuals: Sequence[Residual], noise: float) -> list[Signature]:
     share = float(power[fast].sum()) / total if fast.any() else 0.0
     proportional = _per_rate(power, rate, middle) / max(_per_rate(power, rate, fast), 1e-300)
     text = (
-        f"After changes faster than {edges[1]:.3g} V/s lies {share:.0%} of the gap; the slower "
-        f"half of the samples has {slow:.2g} times the mean power."
+        f"After changes faster than {quantity(edges[1], 'V/s')} lies {percent(share)} of the gap; "
+        f"the slower half of the samples has {slow:.2g} times the mean power."
     )
     agrees = None
     if share > 0.6 and slow < 0.3 and proportional < 0.2:  # a delay's error goes with the rate
@@ -97,8 +97,9 @@ def _saturation(level: Onset | None) -> Signature:
     return Signature(
         "saturation",
         True,
-        f"{side.capitalize()} {level.place:.3g} V the residual takes another slope, by "
-        f"{level.slope * NM:.3g} nm/V, which explains {level.explained:.0%} of its changes.",
+        f"{side.capitalize()} {quantity(level.place, 'V', 3)} the residual takes another slope, by "
+        f"{quantity(level.slope, 'm')} per V, which explains {percent(level.explained)} of its "
+        "changes.",
     )
 
 
@@ -109,8 +110,9 @@ def _contact(place: Onset | None) -> Signature:
     return Signature(
         "contact",
         True,
-        f"{side} {place.place * UM:.4g} um the residual takes another slope, by "
-        f"{place.slope * 1e3:.3g} nm/um, which explains {place.explained:.0%} of its changes.",
+        f"{side} {quantity(place.place, 'm', 3)} the residual takes another slope, by "
+        f"{quantity(1e-6 * place.slope, 'm')} per µm, which explains {percent(place.explained)} of "
+        "its changes.",
     )
 
 
@@ -120,9 +122,9 @@ def creep(residuals: Sequence[Residual], noise: float) -> list[Signature]:
     if growth is None:
         return [Signature("creep", None, "The voltage is never held long enough after a step.")]
     text = (
-        f"In {growth.holds} holds the error changes by {100 * growth.per_decade:.2g} % of the step "
+        f"In {growth.holds} holds the error changes by {percent(growth.per_decade)} of the step "
         f"per decade of time, {growth.certainty:.1f} standard errors, which explains "
-        f"{growth.explained:.0%} of what changes there."
+        f"{percent(growth.explained)} of what changes there."
     )
     if growth.per_decade > 0.0 and growth.certainty > SURE and growth.explained > 0.2:
         return [Signature("creep", True, text)]
@@ -139,8 +141,8 @@ def rate_dependent_hysteresis(residuals: Sequence[Residual], noise: float) -> li
         return [Signature(name, None, "The rates of the recordings differ too little to tell.")]
     change = abs(loops.growth) * loops.decades / np.sqrt(gap)
     text = (
-        f"From {loops.rates[0]:.3g} to {loops.rates[-1]:.3g} V/s the residual's loop changes by "
-        f"{loops.growth * NM:.3g} nm per decade of rate, {loops.certainty:.1f} standard errors."
+        f"From {span(loops.rates[0], loops.rates[-1], 'V/s')} the residual's loop changes by "
+        f"{quantity(loops.growth, 'm')} per decade of rate, {loops.certainty:.1f} standard errors."
     )
     agrees = None
     wider = bool(np.all(np.diff(loops.widths) > 0.0))
@@ -160,8 +162,8 @@ def play(residuals: Sequence[Residual], noise: float) -> list[Signature]:
         return [Signature(name, None, "The motion turns too seldom.") for name in names]
     text = (
         f"After {course.turns} turns the error in the direction of motion goes by "
-        f"{course.jump * NM:.3g} nm and then changes by {course.unsteady:.0%} of that, which "
-        f"explains {course.explained:.0%} of the residual."
+        f"{quantity(course.jump, 'm')} and then changes by {percent(course.unsteady)} of that, "
+        f"which explains {percent(course.explained)} of the residual."
     )
     agrees = None
     if course.jump < 0.0 and course.explained > 0.3 and course.unsteady < 0.35:

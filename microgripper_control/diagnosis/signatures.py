@@ -11,12 +11,12 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from microgripper_control.core.quantities import percent, quantity, span
 from microgripper_control.diagnosis.bands import find_peaks, resonances, slow_share
 from microgripper_control.diagnosis.evidence import rms
 from microgripper_control.diagnosis.findings import Signature
 from microgripper_control.diagnosis.grid import common_step, refuted, rounding
 from microgripper_control.diagnosis.motion_signatures import (
-    NM,
     REAL,
     creep,
     lateness_of,
@@ -52,24 +52,24 @@ def mains_hum(residuals: Sequence[Residual], noise: float) -> list[Signature]:
     spectrum = max(seen, key=lambda s: s.stretches / s.resolution)
     for peak in find_peaks(spectrum, noise):
         if peak.line and any(abs(peak.frequency - mains) < NEAR for mains in MAINS):
-            size = np.sqrt(2.0 * peak.power) * NM
+            size = quantity(np.sqrt(2.0 * peak.power), "m")
             return [
                 Signature(
                     "mains_hum",
                     True,
-                    f"A line at {peak.frequency:.2f} Hz of {size:.3g} nm amplitude stands "
+                    f"A line at {peak.frequency:.2f} Hz of {size} amplitude stands "
                     f"{peak.contrast:.0f} times above its neighbours and not in the motion.",
                 )
             ]
     heights = [_height(spectrum, mains) for mains in MAINS]
     moving = any(_moving(spectrum, mains, noise) for mains in MAINS)
-    limit = np.sqrt(2.0 * max(h[1] for h in heights)) * NM
+    limit = quantity(np.sqrt(2.0 * max(h[1] for h in heights)), "m")
     agrees = None if moving or max(h[0] for h in heights) > 4.0 else False
     return [
         Signature(
             "mains_hum",
             agrees,
-            f"No line stands out at 50 or 60 Hz: what is there is below {limit:.2g} nm.",
+            f"No line stands out at 50 or 60 Hz: what is there is below {limit}.",
         )
     ]
 
@@ -100,11 +100,10 @@ def sensor_quantization(residuals: Sequence[Residual], noise: float) -> list[Sig
     distinct = min(len(np.unique(one)) / len(one) for one in readings)
     step = grid if grid > 0.0 else max(float(np.median(np.diff(np.unique(r)))) for r in readings)
     share = rounding(step)
-    text = f"steps of {step * NM:.3g} nm, {share * NM:.2g} nm rms, with {noise * NM:.2g} nm noise"
+    size, rounded, floor = (quantity(length, "m") for length in (step, share, noise))
+    text = f"steps of {size}, {rounded} rms, with {floor} noise"
     if distinct > 0.5 and grid == 0.0:
-        text = (
-            f"{distinct:.0%} of the readings are different, on no grid: no converter rounds them."
-        )
+        text = f"{percent(distinct)} of the readings differ, on no grid: no converter rounds them."
         return [Signature("sensor_quantization", False, text)]
     if share > 0.3 * noise:
         kind = "a grid" if grid > 0.0 else "levels that repeat"
@@ -121,7 +120,9 @@ def thermal_drift(residuals: Sequence[Residual], noise: float) -> list[Signature
     if gap_power(residuals, noise) <= REAL * noise**2:
         return [Signature("thermal_drift", None, "There is no gap to look at.")]
     share = slow_share(residuals, noise)
-    text = f"{share:.0%} of the gap is slower than 0.2 Hz and does not repeat with the voltage."
+    text = (
+        f"{percent(share)} of the gap is slower than 0.2 Hz and does not repeat with the voltage."
+    )
     return [Signature("thermal_drift", True if share > 0.5 else None, text)]
 
 
@@ -135,8 +136,8 @@ def extra_resonance(residuals: Sequence[Residual], noise: float) -> list[Signatu
     total = gap_power(residuals, noise)
     share = peak.power / max(total, peak.power)
     text = (
-        f"The residual's spectrum has a peak at {peak.frequency:.3g} Hz, from {peak.low:.3g} to "
-        f"{peak.high:.3g} Hz, with {share:.0%} of the gap."
+        f"The residual's spectrum has a peak at {quantity(peak.frequency, 'Hz')}, from "
+        f"{span(peak.low, peak.high, 'Hz')}, with {percent(share)} of the gap."
     )
     return [Signature("extra_resonance", True if peak.power > STANDS_OUT * total else None, text)]
 

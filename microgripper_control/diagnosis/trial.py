@@ -7,7 +7,7 @@ mistuned alpha would be blamed on whatever effect resembles it. How they are fit
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -49,12 +49,12 @@ class Trial:
 
     @cached_property
     def quietest(self) -> float:
-        """The same by the median, m, on the quietest recording that judges it."""
+        """The innovation by the median, m, on the quietest recording that judges it."""
         return quietest(self.errors)
 
     @property
     def both(self) -> float:
-        """The same, m, with the fitted samples given as much weight as the judging ones."""
+        """Root mean square error, m, fitted samples given as much weight as judging ones."""
         return evenly(self.rmse, self.fitted_rmse)
 
 
@@ -76,12 +76,18 @@ def fitted_keys(model: Model, links: Sequence[str]) -> tuple[Key, ...]:
 
 
 def problem_of(evidence: Evidence, model: Model, free: Sequence[Key]) -> Problem:
-    """The least-squares problem of a model on the fitted samples, within what is plausible.
+    """The least-squares problem of a model on the fitted samples, within what is plausible."""
+    limits = limits_of(evidence, model.settings)
+    return Problem(model, evidence.fitted, evidence.conditions, tuple(free), evidence.used, limits)
+
+
+def limits_of(evidence: Evidence, links: Iterable[str]) -> dict[Key, tuple[float, float]]:
+    """The ranges of some links' parameters that are narrower than declared, on the rig at hand.
 
     What the nominal model has is plausible, and nothing beyond a parameter's own range is.
     """
     limits = {}
-    for link in model.settings:
+    for link in links:
         own = evidence.nominal.settings.get(link, {})
         for name, bounds in registry()[link].plausible(evidence.scales).items():
             declared = registry()[link].parameter(name)
@@ -90,7 +96,7 @@ def problem_of(evidence: Evidence, model: Model, free: Sequence[Key]) -> Problem
                 declared.nearest(min(*bounds, *known)),
                 declared.nearest(max(*bounds, *known)),
             )
-    return Problem(model, evidence.fitted, evidence.conditions, tuple(free), evidence.used, limits)
+    return limits
 
 
 def starting_hysteresis(evidence: Evidence, model: Model) -> tuple[float, ...]:

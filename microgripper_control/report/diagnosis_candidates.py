@@ -107,7 +107,14 @@ def _details(candidate: Candidate, diagnosed: bool) -> Html | None:
 def _parameters(candidate: Candidate) -> Html | None:
     if not candidate.parameters:
         return None
-    rows = [_parameter(candidate.effect, *item) for item in candidate.parameters.items()]
+    link = registry().get(candidate.effect)
+    values = {name: setting.value for name, setting in candidate.parameters.items()}
+    idle = link.idle(values) if link else ()
+    rows = [
+        _parameter(candidate.effect, name, setting)
+        for name, setting in candidate.parameters.items()
+        if name not in idle
+    ]
     known = any(setting.interval for setting in candidate.parameters.values())
     titles = ("parameter", "value", "95 %" if known else "")
     head = element("tr", *(element("th", title, scope="col") for title in titles))
@@ -121,6 +128,8 @@ def _parameter(effect: str, name: str, setting: Setting) -> Html:
     unit = declared.unit if declared else "1"
     low, high = setting.interval or (float("nan"), float("nan"))
     interval = span(low, high, unit) if setting.interval else ""
+    if declared and not declared.fitted:
+        interval = "chosen"
     return element(
         "tr",
         element(
@@ -147,8 +156,8 @@ def _signatures(signatures: Sequence[Signature]) -> Html | None:
 
 
 def shares(diagnosis: Diagnosis) -> Html | None:
-    """What each diagnosed effect contributes, and what cannot be told apart."""
-    if not diagnosis.shares:
+    """What each of several diagnosed effects contributes."""
+    if len(diagnosis.shares) < 2:
         return None
     rows = [
         element(

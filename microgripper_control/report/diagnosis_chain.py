@@ -84,7 +84,7 @@ def _across(diagnosis: Diagnosis) -> Html:
     lines = max(sum(len(wrap(plain(e), LONGEST_LINE)) for e in p.effects) for p in places)
     height = places[0].y + HEIGHT + 10.0 + LINE * lines
     words = [
-        _text("setpoint", ACROSS_END - 6.0, middle + 5.0, "end", "end"),
+        _text("voltage", ACROSS_END - 6.0, middle + 5.0, "end", "end"),
         _text("displacement", end + 6.0, middle + 5.0, "end", "start"),
     ]
     return _drawing(diagnosis, places, [*arrows, *words], end + ACROSS_END + 16.0, height, "across")
@@ -97,7 +97,7 @@ def _down(diagnosis: Diagnosis) -> Html:
     arrows = [_arrow(middle, p.y - APART, middle, p.y) for p in places]
     arrows.append(_arrow(middle, end - APART, middle, end))
     words = [
-        _text("setpoint", middle, DOWN_END - 6.0, "end", "middle"),
+        _text("voltage", middle, DOWN_END - 6.0, "end", "middle"),
         _text("displacement", middle, end + 18.0, "end", "middle"),
     ]
     return _drawing(diagnosis, places, [*arrows, *words], 330.0, end + DOWN_END, "down")

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
+from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.recording import Recording
 from microgripper_control.diagnosis.evidence import Evidence
 from microgripper_control.diagnosis.fitting import refine
-from microgripper_control.diagnosis.identified_model import identified
+from microgripper_control.diagnosis.identified_model import allowed, identified
 from microgripper_control.diagnosis.trial import Trial, fitted_keys
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.model import nominal_model
@@ -17,6 +20,15 @@ from microgripper_control.plant.simulate import Hold, Initial, simulate
 PERIOD = 1e-3
 TIME = PERIOD * np.arange(8000)
 VOLTAGE = 70.0 + 40.0 * np.sin(2.0 * np.pi * 3.0 * TIME) + 25.0 * np.sin(2.0 * np.pi * 41.0 * TIME)
+
+
+def test_intervals_keep_to_what_is_allowed_or_say_that_nothing_is_known() -> None:
+    """Damping of a contact that is met once, gently: a derivative would say -14 500 to 14 700."""
+    limits = Parameter("damping", "s/m", 0.0, 0.0, 1000.0, "")
+    assert allowed((-14_500.0, 14_700.0), limits) == (-math.inf, math.inf)
+    assert allowed((-14_500.0, 700.0), limits) == (0.0, 700.0)
+    assert allowed((30.0, 1400.0), limits) == (30.0, 1000.0)
+    assert allowed((30.0, 50.0), limits) == (30.0, 50.0)
 
 
 def told_delay(samples: float, hold: Hold) -> tuple[float, float]:

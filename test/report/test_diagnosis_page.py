@@ -13,6 +13,7 @@ from diagnoses import creeping, parameters_only
 
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.diagnosis.findings import UNKNOWN
+from microgripper_control.report.diagnosis_figures import recording_figures
 from microgripper_control.report.diagnosis_page import FIGURES, write_diagnosis_report
 from microgripper_control.report.wording import MINUS
 
@@ -51,7 +52,6 @@ def test_it_reads_in_the_order_of_a_technician(page: Path) -> None:
         "How far it shrinks",
         "Where in the signal chain",
         "Which cause",
-        "How much each effect accounts for",
         "What cannot be told apart",
         "Where it lies",
         "Before and after",
@@ -64,6 +64,28 @@ def test_it_reads_in_the_order_of_a_technician(page: Path) -> None:
     assert f"microgripper simulate --model {model} &#x27;first run&#x27; --hold zero" in text
     assert "1 of them could not be fitted" in text
     assert "contradicts" in text
+
+
+def test_what_each_effect_accounts_for_is_told_of_several(tmp_path: Path) -> None:
+    found = replace(creeping(), shares={"creep": 0.7, "friction": 0.3})
+    write_diagnosis_report(found, tmp_path / "report.html")
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "How much each effect accounts for" in text
+
+
+def test_figures_make_room_for_what_is_compared_and_no_more() -> None:
+    found = creeping()
+    recording = found.judged[0].recording
+    displacement = recording.measured.copy()
+    displacement[0] += 9e-6  # answers to what was before the recording
+    judged = replace(found.judged[0], recording=replace(recording, displacement=displacement))
+    drawn = recording_figures(found, judged)
+    for name, most in (("residual", 2000.0), ("hysteresis", 3.0)):  # nm, µm
+        figure = drawn[name]
+        assert figure is not None
+        for line in figure["series"]:  # type: ignore[attr-defined]
+            low, high = line["height"]
+            assert -most < low < high < most
 
 
 def test_it_needs_nothing_but_itself(page: Path) -> None:

@@ -101,7 +101,9 @@ LINK = Link(
         Parameter(
             "low_softness", "V", 1.0, 0.0, 100.0, "width of the bend at the lowest, 0 if hard"
         ),
-        Parameter("high_softness", "V", 1.0, 0.0, 100.0, "the same at the highest"),
+        Parameter(
+            "high_softness", "V", 1.0, 0.0, 100.0, "width of the bend at the highest, 0 if hard"
+        ),
     ),
     prepare=prepare,
     kernel=kernel,

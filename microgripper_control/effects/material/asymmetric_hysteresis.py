@@ -178,12 +178,22 @@ LINK = Link(
     title="asymmetric hysteresis",
     source="after Zhu and Wang 2012 (paper, reference [20]); Song and Der Kiureghian 2006",
     parameters=(
-        Parameter("tilt", "m/V", 1e-9, -1e-3, 1e-3, "of the branches, with voltage", 0.0),
-        Parameter("bulge", "m/V^2", 1e-11, -1e-4, 1e-4, "with its square", 0.0),
-        Parameter("twist", "m/V^3", 1e-13, -1e-5, 1e-5, "with its cube", 0.0),
-        Parameter("skew", "m", 1e-7, -1e-2, 1e-2, "of both branches, far from a turn", 0.0),
+        Parameter("tilt", "m/V", 1e-9, -1e-3, 1e-3, "how far the branches part, per volt", 0.0),
+        Parameter(
+            "bulge", "m/V^2", 1e-11, -1e-4, 1e-4, "the same by the square of the voltage", 0.0
+        ),
+        Parameter("twist", "m/V^3", 1e-13, -1e-5, 1e-5, "the same by its cube", 0.0),
+        Parameter("skew", "m", 1e-7, -1e-2, 1e-2, "shift of both branches far from a turn", 0.0),
         Parameter("reach", "V", 15.0, 1e-3, 1e4, "travel over which a turn is forgotten"),
-        Parameter("delta", "m/V^2", 1e-12, -1e-3, 1e-3, "written into the loop, with voltage", 0.0),
+        Parameter(
+            "delta",
+            "m/V^2",
+            1e-12,
+            -1e-3,
+            1e-3,
+            "what each volt adds to the loop per volt of travel",
+            0.0,
+        ),
         Parameter("beta", "1/V", 0.0152, 0.0, 1e3, "decay of the loop with travel, both ways"),
         Parameter("gamma", "1/V", -0.0227, -1e3, 1e3, "decay of the loop by direction"),
     ),

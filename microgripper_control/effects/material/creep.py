@@ -108,8 +108,17 @@ LINK = Link(
     source="Croft, Shed, Devasia 2001 (elements); Jung and Gweon 2000 (log time)",
     parameters=(
         Parameter("strength", "1", 0.01, 0.0, 1.0, "share of a step added in a decade", 0.0),
-        Parameter("fastest", "s", 0.01, 1e-4, 1e4, "from where on creep is log-like"),
-        Parameter("slowest", "s", 1e3, 1e-4, 1e6, "up to where creep is log-like"),
+        Parameter(
+            "fastest",
+            "s",
+            0.01,
+            1e-4,
+            1e4,
+            "time from which on creep goes by the logarithm of time",
+        ),
+        Parameter(
+            "slowest", "s", 1e3, 1e-4, 1e6, "time up to which creep goes by the logarithm of time"
+        ),
     ),
     prepare=prepare,
     kernel=kernel,

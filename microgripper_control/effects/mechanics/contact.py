@@ -127,9 +127,9 @@ LINK = Link(
     force=Force(law, coefficients, stiffness, states=3, fading=True, brakes=True),
     parameters=(
         Parameter("position", "m", 1.5e-5, -1.0, 1.0, "where the finger touches"),
-        Parameter("stiffness", "N/m", 2e6, 0.0, 1e12, "force by depth, 1 um deep", 0.0),
+        Parameter("stiffness", "N/m", 2e6, 0.0, 1e12, "force per depth, 1 µm deep", 0.0),
         Parameter("exponent", "1", 1.0, 1.0, 3.0, "1 linear, 1.5 Hertz", fitted=False),
-        Parameter("damping", "s/m", 0.0, 0.0, 1e3, "share of force by speed"),
+        Parameter("damping", "s/m", 0.0, 0.0, 1e3, "share of the force that is added per speed"),
         Parameter(
             "relaxing",
             "1",
@@ -141,8 +141,12 @@ LINK = Link(
             fitted=False,
         ),
         Parameter("stiffening", "1", 0.5, 0.0, 1e3, "how much stiffer it is when pressed fast"),
-        Parameter("fastest", "s", 0.05, 1e-4, 1e3, "time in which half of that is forgotten"),
-        Parameter("slowest", "s", 0.5, 1e-4, 1e3, "and the other half"),
+        Parameter(
+            "fastest", "s", 0.05, 1e-4, 1e3, "time in which the faster half of that is forgotten"
+        ),
+        Parameter(
+            "slowest", "s", 0.5, 1e-4, 1e3, "time in which the slower half of that is forgotten"
+        ),
         Parameter("side", "1", 1.0, -1.0, 1.0, "1 beyond, -1 below the position", fitted=False),
     ),
     starts=starts,

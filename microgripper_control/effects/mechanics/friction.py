@@ -159,15 +159,23 @@ LINK = Link(
     force=Force(law, coefficients, stiffness, states=1 + SPRINGS),
     parameters=(
         Parameter("coulomb", "N", 10.0, 0.0, 1e6, "friction force when sliding", 0.0),
-        Parameter("stiffness", "N/m", 2e7, 1.0, 1e13, "of what sticks, before it slides"),
+        Parameter("stiffness", "N/m", 2e7, 1.0, 1e13, "stiffness of what sticks, before it slides"),
         Parameter("bend", "1", 0.0, 0.0, 10.0, "how long it stays stiff before it slips"),
-        Parameter("recovery", "1", 1.0, 0.0, 2.0, "of a slipped bristle on the way back"),
-        Parameter("distributed", "1", 0.0, 0.0, 1.0, "share that slips bit by bit", fitted=False),
-        Parameter("decades", "1", 0.5, 0.0, 3.0, "over which the distances are spread"),
-        Parameter("taper", "1", 0.0, -5.0, 3.0, "how much stiffer what slips early is"),
-        Parameter("excess", "1", 0.2, -0.95, 5.0, "of breaking away over sliding, a share"),
         Parameter(
-            "stribeck_speed", "m/s", 1e-4, 1e-9, 10.0, "over which the excess goes", fitted=False
+            "recovery", "1", 1.0, 0.0, 2.0, "how soon a slipped bristle softens on the way back"
+        ),
+        Parameter("distributed", "1", 0.0, 0.0, 1.0, "share that slips bit by bit", fitted=False),
+        Parameter("decades", "1", 0.5, 0.0, 3.0, "decades over which the distances are spread"),
+        Parameter("taper", "1", 0.0, -5.0, 3.0, "how much stiffer what slips early is"),
+        Parameter("excess", "1", 0.2, -0.95, 5.0, "excess of breaking away over sliding, a share"),
+        Parameter(
+            "stribeck_speed",
+            "m/s",
+            1e-4,
+            1e-9,
+            10.0,
+            "speed over which the excess goes",
+            fitted=False,
         ),
     ),
     starts=starts,

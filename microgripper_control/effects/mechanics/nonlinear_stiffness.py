@@ -73,9 +73,26 @@ LINK = Link(
     source="Duffing 1918; for flexures Howell 2001, chapter 2",
     force=Force(law, coefficients, stiffness),
     parameters=(
-        Parameter("quadratic", "N/m^2", 5e10, -1e20, 1e20, "of the restoring force in x^2", 0.0),
-        Parameter("cubic", "N/m^3", 2.5e15, -1e26, 1e26, "of the restoring force in x^3", 0.0),
-        Parameter("levelling", "1/m^2", 0.0, -4e12, 4e12, "of the cubic; below 0 it steepens"),
+        Parameter(
+            "quadratic",
+            "N/m^2",
+            5e10,
+            -1e20,
+            1e20,
+            "coefficient of x^2 in the restoring force",
+            0.0,
+        ),
+        Parameter(
+            "cubic", "N/m^3", 2.5e15, -1e26, 1e26, "coefficient of x^3 in the restoring force", 0.0
+        ),
+        Parameter(
+            "levelling",
+            "1/m^2",
+            0.0,
+            -4e12,
+            4e12,
+            "how the cubic term levels off; below 0 it steepens",
+        ),
     ),
     starts=starts,
     says=says,

@@ -142,7 +142,7 @@ LINK = Link(
             "distributed", "1", 0.0, 0.0, 1.0, "share of alpha that slips bit by bit", fitted=False
         ),
         Parameter("widest", "m", 1e-5, 1e-9, 1.0, "distance at which the last bit slips"),
-        Parameter("decades", "1", 1.0, 0.0, 3.0, "over which the distances are spread"),
+        Parameter("decades", "1", 1.0, 0.0, 3.0, "decades over which the distances are spread"),
         Parameter("taper", "1", -1.0, -5.0, 3.0, "how much stiffer what slips early is"),
     ),
     starts=starts,

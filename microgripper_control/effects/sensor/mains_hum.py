@@ -126,12 +126,22 @@ LINK = Link(
     sampled=True,
     random=True,
     parameters=(
-        Parameter("frequency", "Hz", 50.0, 10.0, 1000.0, "of the mains"),
-        Parameter("amplitude", "m", 5e-8, 0.0, 1e-3, "of the fundamental", 0.0, fitted=False),
-        Parameter("second", "m", 1e-8, 0.0, 1e-3, "of the second harmonic", 0.0, fitted=False),
-        Parameter("third", "m", 1e-8, 0.0, 1e-3, "of the third harmonic", 0.0, fitted=False),
-        Parameter("fifth", "m", 0.0, 0.0, 1e-3, "of the fifth harmonic", 0.0, fitted=False),
-        Parameter("phase", "rad", 0.0, -7.0, 7.0, "of the fundamental at the start", fitted=False),
+        Parameter("frequency", "Hz", 50.0, 10.0, 1000.0, "frequency of the mains"),
+        Parameter(
+            "amplitude", "m", 5e-8, 0.0, 1e-3, "amplitude of the fundamental", 0.0, fitted=False
+        ),
+        Parameter(
+            "second", "m", 1e-8, 0.0, 1e-3, "amplitude of the second harmonic", 0.0, fitted=False
+        ),
+        Parameter(
+            "third", "m", 1e-8, 0.0, 1e-3, "amplitude of the third harmonic", 0.0, fitted=False
+        ),
+        Parameter(
+            "fifth", "m", 0.0, 0.0, 1e-3, "amplitude of the fifth harmonic", 0.0, fitted=False
+        ),
+        Parameter(
+            "phase", "rad", 0.0, -7.0, 7.0, "phase of the fundamental at the start", fitted=False
+        ),
     ),
     prepare=prepare,
     kernel=kernel,

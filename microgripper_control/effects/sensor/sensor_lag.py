@@ -162,7 +162,9 @@ LINK = Link(
     source="definitions of a moving average and of low-passes; Butterworth 1930",
     parameters=(
         Parameter("averaging", "s", 1e-3, 0.0, 1.0, "time over which a reading is averaged", 0.0),
-        Parameter("time_constant", "s", 1e-3, 0.0, 1.0, "of the filter behind: its lag", 0.0),
+        Parameter(
+            "time_constant", "s", 1e-3, 0.0, 1.0, "lag of the filter behind the averaging", 0.0
+        ),
         Parameter("curvature", "1", 0.0, 0.0, 1.0, "0 first order, 1/4 two equal lags, 1/2 flat"),
         CLOCK,
     ),

@@ -60,7 +60,13 @@ LINK = Link(
             "std", "m", 15e-9, 0.0, 1e-2, "standard deviation of one reading", 0.0, fitted=False
         ),
         Parameter(
-            "seed", "1", 0.0, 0.0, float(LARGEST_SEED), "of the random numbers, whole", fitted=False
+            "seed",
+            "1",
+            0.0,
+            0.0,
+            float(LARGEST_SEED),
+            "seed of the random numbers, a whole number",
+            fitted=False,
         ),
     ),
     prepare=prepare,

@@ -73,7 +73,9 @@ LINK = Link(
     random=True,
     parameters=(
         Parameter("amplitude", "m", 1e-6, -1e-2, 1e-2, "drift in the end", 0.0, fitted=False),
-        Parameter("time_constant", "s", 60.0, 1e-3, 1e6, "of the warming", fitted=False),
+        Parameter(
+            "time_constant", "s", 60.0, 1e-3, 1e6, "time constant of the warming", fitted=False
+        ),
     ),
     prepare=prepare,
     kernel=kernel,
