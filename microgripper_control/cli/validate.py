@@ -18,7 +18,7 @@ from microgripper_control.cli.tables import print_table
 from microgripper_control.core.files import make_folder
 from microgripper_control.diagnosis.schedule import cluster
 from microgripper_control.examination.folder import Folder, write_json
-from microgripper_control.examination.plan import MOST, Extent, Part, plan
+from microgripper_control.examination.plan import MOST, USED, USED_SEED, Extent, Part, plan
 from microgripper_control.examination.run import OnProgress, run
 from microgripper_control.examination.score import Score, score
 from microgripper_control.examination.summary import as_json
@@ -30,8 +30,13 @@ def validate(
         bool, typer.Option("--quick", help="About 40 cases instead of several hundred.")
     ] = False,
     seed: Annotated[
-        int, typer.Option(min=0, max=MOST, help="Decides all cases, none of which was seen before.")
-    ] = 1,
+        int,
+        typer.Option(
+            min=0,
+            max=MOST,
+            help=f"Decides all cases. Those of {USED[0]} to {USED[-1]} were learned from.",
+        ),
+    ] = USED.stop,
     only: Annotated[
         Part | None, typer.Option(help="Only these of its cases. The others may follow.")
     ] = None,
@@ -60,6 +65,8 @@ def validate(
     """
     planned = plan(seed, quick)
     extent = Extent(seed, quick, only, first)
+    if extent.used:
+        typer.echo(f"warning: {USED_SEED.format(extent.seed)}", err=True)
     root = make_folder(out)
     with sigterm_as_interrupt(), cluster(scheduler), _progress() as on_progress:
         records = run(root, planned, on_progress, jobs, asked=extent.of(planned))

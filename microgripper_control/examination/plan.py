@@ -29,6 +29,9 @@ USUAL_WEIGHT = 4.0  # over that of each other excitation
 FIRST_SEED = 200_000  # of a case; those below 100 000 are for development
 SEEDS_EACH = 10_000  # cases' seeds that each seed of an examination has for itself
 MOST = 200_000  # the largest seed of an examination
+USED = range(1, 20)  # seeds that were reported once and learned from since: docs/examinations.md
+
+USED_SEED = "the cases of seed {} were learned from: what comes of them flatters the diagnosis"
 
 REPEATS = 2  # of each effect, strength and form, in full
 BLANKS = 75  # of each of none and parameters, in full
@@ -94,6 +97,11 @@ class Extent:
     quick: bool = False
     only: Part | None = None
     first: int | None = None  # so many of these cases, which are shuffled
+
+    @property
+    def used(self) -> bool:
+        """Whether development has seen its cases: what it says then flatters the method."""
+        return self.seed in USED
 
     @property
     def command(self) -> str:

@@ -23,6 +23,7 @@ def as_json(score: Score, extent: Extent) -> dict[str, Any]:
     return {
         "schema": SCHEMA,
         **asdict(extent),
+        "seed_used_in_development": extent.used,
         "cases_done": len(score.cases),
         "targets": [_target(target) for target in targets(score)],
         "top_1": {name: _share(share) for name, share in score.top.items()},

@@ -7,7 +7,14 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from microgripper_control.examination.places import Places
-from microgripper_control.examination.plan import FIRST_SEED, NEVER, STRENGTHS, WITHHELD, Extent
+from microgripper_control.examination.plan import (
+    FIRST_SEED,
+    NEVER,
+    STRENGTHS,
+    USED_SEED,
+    WITHHELD,
+    Extent,
+)
 from microgripper_control.examination.score import Score
 from microgripper_control.examination.shares import Middle, Share
 from microgripper_control.examination.targets import MET, MISSED, Target, targets
@@ -95,6 +102,7 @@ def _extent(score: Score, extent: Extent) -> str:
         f"at {FIRST_SEED}. The method was developed and calibrated on seeds "
         f"{DEVELOPMENT_SEEDS[0]} to {DEVELOPMENT_SEEDS[-1]}, which give one of each effect's two "
         "laws alone: form a. Form b appears in examinations only."
+        + (f" Mind that {USED_SEED.format(extent.seed)}." if extent.used else "")
     )
 
 

@@ -66,6 +66,17 @@ def test_it_writes_a_page_and_json_and_prints_the_demands(
     assert [case["right"] for case in content["cases"]] == [True, False]
 
 
+@pytest.mark.parametrize(("seed", "warned"), [(1, True), (90_000, False)])
+def test_a_seed_that_was_learned_from_is_not_passed_off_as_fresh(
+    microgripper: Callable[..., Any], tmp_path: Path, seed: int, warned: bool
+) -> None:
+    ran = microgripper("validate", "--out", tmp_path, "--quick", "--seed", seed, "--jobs", 1)
+    assert ("were learned from" in ran.err) is warned
+    assert ("were learned from" in (tmp_path / "validation.html").read_text()) is warned
+    content = json.loads((tmp_path / "validation.json").read_text())
+    assert content["seed_used_in_development"] is warned
+
+
 def test_the_page_says_how_to_repeat_a_part(
     microgripper: Callable[..., Any], tmp_path: Path
 ) -> None:
