@@ -31,6 +31,16 @@ ROOMS["report"] = {*ROOMS}
 ROOMS["nodes"] = {*ROOMS}
 ROOMS["cli"] = {*ROOMS} - {"nodes"}
 
+# The same within the diagnosis; what lies in none of these may import all of them.
+DIAGNOSIS: dict[str, set[str]] = {
+    "data": set(),
+    "fits": {"data"},
+    "signs": {"data"},
+    "search": {"data", "fits", "signs"},
+    "experiments": {"fits"},
+    "answers": {"data", "fits", "signs", "search"},
+}
+
 # Each of these is imported in one room alone.
 HOMES = {
     "control": "paper",  # python-control: slow to import
@@ -73,6 +83,14 @@ def faults(room: str, source: str) -> list[str]:
     return found
 
 
+def steps_back(part: str, source: str) -> list[str]:
+    """Imports that a file of a part of the diagnosis may not have."""
+    known = (module.split(".") for module in sorted(imported_modules(source)))
+    inside = (rest[1:] for rest in known if rest[:2] == [NAME, "diagnosis"])
+    parts = (rest[1] for rest in inside if len(rest) > 1 and rest[1] in DIAGNOSIS)
+    return [f"{part} imports {other}" for other in parts if other not in {part, *DIAGNOSIS[part]}]
+
+
 @pytest.mark.parametrize(
     "file",
     sorted(PACKAGE.glob("*/**/*.py")),
@@ -82,7 +100,24 @@ def test_imports_point_one_way(file: Path) -> None:
     assert faults(file.relative_to(PACKAGE).parts[0], file.read_text(encoding="utf-8")) == []
 
 
+@pytest.mark.parametrize("part", sorted(DIAGNOSIS))
+def test_a_diagnosis_goes_one_way(part: str) -> None:
+    files = sorted((PACKAGE / "diagnosis" / part).glob("*.py"))
+    assert len(files) > 1
+    for file in files:
+        assert steps_back(part, file.read_text(encoding="utf-8")) == []
+
+
+def test_a_step_back_is_found() -> None:
+    source = f"from {NAME}.diagnosis.search.pool import Pool"
+    assert steps_back("fits", source) == ["fits imports search"]
+    assert steps_back("answers", source) == []
+
+
 def test_every_room_has_its_place() -> None:
+    assert {folder.parent.name for folder in PACKAGE.glob("diagnosis/*/__init__.py")} == {
+        *DIAGNOSIS
+    }
     assert {folder.parent.name for folder in PACKAGE.glob("*/__init__.py")} <= ROOMS.keys()
 
 

@@ -25,9 +25,9 @@ from microgripper_control.cli.tables import print_table
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.files import make_folder
 from microgripper_control.core.quantities import quantity
+from microgripper_control.diagnosis.answers.places import where
 from microgripper_control.diagnosis.diagnose import diagnose as find_causes
 from microgripper_control.diagnosis.findings import Candidate, Diagnosis
-from microgripper_control.diagnosis.places import where
 from microgripper_control.diagnosis.result_file import (
     MODEL,
     NEXT_EXPERIMENT,
@@ -36,8 +36,8 @@ from microgripper_control.diagnosis.result_file import (
     as_json,
     write_result,
 )
-from microgripper_control.diagnosis.rounds import Progress as OnProgress
-from microgripper_control.diagnosis.schedule import cluster
+from microgripper_control.diagnosis.search.rounds import Progress as OnProgress
+from microgripper_control.diagnosis.search.schedule import cluster
 from microgripper_control.effects.registry import link_named
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.model_file import save_model

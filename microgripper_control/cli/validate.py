@@ -16,7 +16,7 @@ from microgripper_control.cli.options import JsonOption
 from microgripper_control.cli.stopping import sigterm_as_interrupt
 from microgripper_control.cli.tables import print_table
 from microgripper_control.core.files import make_folder
-from microgripper_control.diagnosis.schedule import cluster
+from microgripper_control.diagnosis.search.schedule import cluster
 from microgripper_control.examination.folder import Folder, write_json
 from microgripper_control.examination.plan import MOST, USED, USED_SEED, Extent, Part, plan
 from microgripper_control.examination.run import OnProgress, run

@@ -5,28 +5,28 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 
 from microgripper_control.core.recording import Recording
-from microgripper_control.diagnosis import answer
-from microgripper_control.diagnosis.evidence import Evidence
-from microgripper_control.diagnosis.experiment import next_experiment
-from microgripper_control.diagnosis.exploration import explore
+from microgripper_control.diagnosis.answers import answer
+from microgripper_control.diagnosis.answers.sentence import sentence
+from microgripper_control.diagnosis.answers.shrinkage import closed_fraction, closed_interval
+from microgripper_control.diagnosis.answers.weighing import Facts, weigh
+from microgripper_control.diagnosis.data.evidence import Evidence
+from microgripper_control.diagnosis.data.readings import reading_warnings
+from microgripper_control.diagnosis.data.residuals import residuals_of
+from microgripper_control.diagnosis.experiments.experiment import next_experiment
 from microgripper_control.diagnosis.findings import EFFECTS, NONE, Diagnosis, Gap, Judged
-from microgripper_control.diagnosis.fitting import FINE
-from microgripper_control.diagnosis.freeform import explainable
-from microgripper_control.diagnosis.hold_check import hold_warnings
-from microgripper_control.diagnosis.identified_model import identified
-from microgripper_control.diagnosis.part import refined
-from microgripper_control.diagnosis.pool import Pool
-from microgripper_control.diagnosis.readings import reading_warnings
-from microgripper_control.diagnosis.refit import nominal_trial, refits
-from microgripper_control.diagnosis.residuals import residuals_of
-from microgripper_control.diagnosis.rounds import Progress, silent
-from microgripper_control.diagnosis.sentence import sentence
-from microgripper_control.diagnosis.shrinkage import closed_fraction, closed_interval
-from microgripper_control.diagnosis.signatures import signatures
-from microgripper_control.diagnosis.trial import Trial, judged
-from microgripper_control.diagnosis.unseen import unseen_gap, unseen_warning
-from microgripper_control.diagnosis.weighing import Facts, weigh
-from microgripper_control.diagnosis.where import locate
+from microgripper_control.diagnosis.fits.fitting import FINE
+from microgripper_control.diagnosis.fits.hold_check import hold_warnings
+from microgripper_control.diagnosis.fits.identified_model import identified
+from microgripper_control.diagnosis.fits.trial import Trial, judged
+from microgripper_control.diagnosis.fits.unseen import unseen_gap, unseen_warning
+from microgripper_control.diagnosis.search.exploration import explore
+from microgripper_control.diagnosis.search.finishing import refined
+from microgripper_control.diagnosis.search.pool import Pool
+from microgripper_control.diagnosis.search.refit import nominal_trial, refits
+from microgripper_control.diagnosis.search.rounds import Progress, silent
+from microgripper_control.diagnosis.signs.freeform import explainable
+from microgripper_control.diagnosis.signs.signatures import signatures
+from microgripper_control.diagnosis.signs.where import locate
 from microgripper_control.effects.base import no_starts
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.nuisance import Conditions, heldout_prediction

@@ -19,7 +19,7 @@ import numpy as np
 
 from microgripper_control.core.signals import Array
 from microgripper_control.core.sliding import Sliding
-from microgripper_control.diagnosis.noise import ORDER, usual_innovation
+from microgripper_control.diagnosis.data.noise import ORDER, usual_innovation
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.nuisance import Projection
 from microgripper_control.plant.model import Model

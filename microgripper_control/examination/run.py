@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from microgripper_control.core.errors import MicrogripperError
-from microgripper_control.diagnosis.schedule import side_by_side
+from microgripper_control.diagnosis.search.schedule import side_by_side
 from microgripper_control.examination.asking import LIMIT, UNMADE, ask
 from microgripper_control.examination.beside.compare import compare
 from microgripper_control.examination.equals import rivals_of

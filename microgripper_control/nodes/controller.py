@@ -21,7 +21,6 @@ from std_msgs.msg import Float64
 from microgripper_control.control.controller import Controller, Mode
 from microgripper_control.nodes import controller_settings, topics
 from microgripper_control.nodes.applied_watch import AppliedWatch
-from microgripper_control.nodes.contact import Contact
 from microgripper_control.nodes.controller_health import Statistics
 from microgripper_control.nodes.controller_settings import (
     APPLY_TIMEOUT,
@@ -31,6 +30,7 @@ from microgripper_control.nodes.controller_settings import (
     NAMES,
     ControllerSettings,
 )
+from microgripper_control.nodes.exchange import Exchange
 from microgripper_control.nodes.feedback_watch import FeedbackWatch
 from microgripper_control.nodes.health import Health
 from microgripper_control.nodes.managed import ManagedShell
@@ -85,7 +85,7 @@ class ControllerNode(ManagedShell):
             patience = self._value("lockstep_timeout")
         self._pairing = Pairing(patience, lockstep=self._lockstep, awaits=self._awaits)
         assert self._controller is not None
-        self._contact = Contact(
+        self._exchange = Exchange(
             self._controller,
             self._output,
             FeedbackWatch(self._value(FEEDBACK_TIMEOUT.name), period),
@@ -94,7 +94,7 @@ class ControllerNode(ManagedShell):
             lockstep=self._lockstep,
         )
         self._intake = controller_settings.make_intake(self)
-        self._statistics = Statistics(self._contact, self._intake, self._rivals)
+        self._statistics = Statistics(self._exchange, self._intake, self._rivals)
         if not self._awaits:
             self._open_setpoints()
         if not self._lockstep:
@@ -104,7 +104,7 @@ class ControllerNode(ManagedShell):
         """Bring the voltage down."""
         for subscription in (*self._setpoints.values(), self._samples):
             subscription.close()
-        self._contact.end()
+        self._exchange.end()
 
     def work(self, now: float) -> float:
         """As `Shell` says."""
@@ -120,10 +120,10 @@ class ControllerNode(ManagedShell):
             self._answer_sample()
         if not self._lockstep:
             self._intake.look(now)
-            if self._contact.feedback.is_lost(now):
+            if self._exchange.feedback.is_lost(now):
                 self._pairing.drop()
-                return self._contact.descend(now)
-        wait = min(self._pairing.deadline - time.monotonic(), self._contact.feedback.left)
+                return self._exchange.descend(now)
+        wait = min(self._pairing.deadline - time.monotonic(), self._exchange.feedback.left)
         return max(0.0, min(wait, self._intake.left))
 
     def _join(self) -> None:
@@ -150,7 +150,7 @@ class ControllerNode(ManagedShell):
             return
         now = time.monotonic()
         displacement, voltage = topics.finger(message)
-        if not self._contact.meets(topics.stamp_of(message), displacement, voltage, now):
+        if not self._exchange.meets(topics.stamp_of(message), displacement, voltage, now):
             return
         if self._pairing.waiting:
             self._answer_sample()
@@ -174,7 +174,7 @@ class ControllerNode(ManagedShell):
         was_returning = self._intake.returns
         taken = self._intake.take(command, reach, time.monotonic())
         if was_returning:
-            self._contact.returned()
+            self._exchange.returned()
         if self._pairing.setpoint(taken):
             self._answer_sample()
         if self._lockstep and self._pairing.surplus:
@@ -182,7 +182,7 @@ class ControllerNode(ManagedShell):
 
     def _answer_sample(self) -> None:
         paired = self._pairing.take()
-        if self._contact.answer(paired, returns=self._intake.returns):
+        if self._exchange.answer(paired, returns=self._intake.returns):
             self._statistics.note(paired)
 
     def _checked(self, changes: dict[str, Any]) -> ControllerSettings:

@@ -7,7 +7,7 @@ import time
 from collections.abc import Mapping
 
 from microgripper_control.control.controller import Controller, Mode
-from microgripper_control.nodes.contact import Contact
+from microgripper_control.nodes.exchange import Exchange
 from microgripper_control.nodes.feedback_watch import Verdict
 from microgripper_control.nodes.health import Health, Level
 from microgripper_control.nodes.pairing import Paired
@@ -25,10 +25,10 @@ class Statistics:
     """
 
     def __init__(
-        self, contact: Contact, intake: SetpointIntake, rivals: Mapping[str, Rivals]
+        self, exchange: Exchange, intake: SetpointIntake, rivals: Mapping[str, Rivals]
     ) -> None:
         self.late = 0
-        self._feedback, self._applied = contact.feedback, contact.applied
+        self._feedback, self._applied = exchange.feedback, exchange.applied
         self._intake = intake
         self._rivals = rivals
         self._answered = 0

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from microgripper_control.core.signals import Array
+from microgripper_control.diagnosis.answers.places import AXES
 from microgripper_control.diagnosis.findings import Diagnosis, Judged
-from microgripper_control.diagnosis.places import AXES
 from microgripper_control.report.figure_data import Figure
 from microgripper_control.report.wording import listed, span
 

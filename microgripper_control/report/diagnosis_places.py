@@ -9,8 +9,8 @@ import numpy as np
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
+from microgripper_control.diagnosis.answers.places import AXES, where
 from microgripper_control.diagnosis.findings import Diagnosis, Range
-from microgripper_control.diagnosis.places import AXES, where
 from microgripper_control.report.markup import Html, element, joined
 from microgripper_control.report.residual_views import Holds, rate_of
 from microgripper_control.report.wording import number, scaled, unbroken

@@ -6,7 +6,7 @@ import numpy as np
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
-from microgripper_control.diagnosis.residuals import Residual
+from microgripper_control.diagnosis.data.residuals import Residual
 from microgripper_control.identification.nuisance import blocks
 
 PERIOD = 1e-3  # s

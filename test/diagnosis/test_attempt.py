@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from microgripper_control.diagnosis.attempt import best_of_each_kind
-from microgripper_control.diagnosis.trial import Trial
+from microgripper_control.diagnosis.fits.trial import Trial
+from microgripper_control.diagnosis.search.attempt import best_of_each_kind
 from microgripper_control.plant.model import nominal_model
 
 EFFECT = "restoring_force_hysteresis"

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from microgripper_control.core.recording import Recording
-from microgripper_control.diagnosis.clocked_lags import on_the_sensors_clock
-from microgripper_control.diagnosis.evidence import Evidence
-from microgripper_control.diagnosis.fitting import base_of
-from microgripper_control.diagnosis.pool import Pool
-from microgripper_control.diagnosis.refit import nominal_trial, refit_trial
-from microgripper_control.diagnosis.rounds import play
+from microgripper_control.diagnosis.data.evidence import Evidence
+from microgripper_control.diagnosis.fits.fitting import base_of
+from microgripper_control.diagnosis.search.clocked_lags import on_the_sensors_clock
+from microgripper_control.diagnosis.search.pool import Pool
+from microgripper_control.diagnosis.search.refit import nominal_trial, refit_trial
+from microgripper_control.diagnosis.search.rounds import play
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.model import Model, nominal_model
 from microgripper_control.plant.simulate import Initial, simulate

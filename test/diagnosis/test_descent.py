@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import least_squares
 
 from microgripper_control.core.signals import Array
-from microgripper_control.diagnosis.descent import descend
+from microgripper_control.diagnosis.fits.descent import descend
 
 FREE = np.array([-np.inf, -np.inf]), np.array([np.inf, np.inf])
 

@@ -16,9 +16,9 @@ from typer.testing import CliRunner
 from microgripper_control.cli.main import app
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
-from microgripper_control.diagnosis import attempt
 from microgripper_control.diagnosis.diagnose import candidate_names, diagnose
 from microgripper_control.diagnosis.findings import EFFECTS, NONE, PARAMETERS
+from microgripper_control.diagnosis.search import attempt
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.model_file import load_model, save_model
 from microgripper_control.plant.simulate import simulate

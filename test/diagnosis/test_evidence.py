@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from microgripper_control.core.recording import Recording
-from microgripper_control.diagnosis.evidence import STRETCH, Evidence
+from microgripper_control.diagnosis.data.evidence import STRETCH, Evidence
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.model import nominal_model
 from microgripper_control.plant.simulate import Initial, simulate

@@ -10,10 +10,10 @@ import pytest
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
-from microgripper_control.diagnosis.excitations import Reach, excitations
-from microgripper_control.diagnosis.experiment import next_experiment
+from microgripper_control.diagnosis.experiments.excitations import Reach, excitations
+from microgripper_control.diagnosis.experiments.experiment import next_experiment
+from microgripper_control.diagnosis.experiments.rehearsal import Rehearsal, rivals_of
 from microgripper_control.diagnosis.findings import NextExperiment
-from microgripper_control.diagnosis.rehearsal import Rehearsal, rivals_of
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.model import Model, nominal_model
 from microgripper_control.plant.simulate import Hold, simulate

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from microgripper_control.core.recording import Recording
-from microgripper_control.diagnosis import resettling, rounds
 from microgripper_control.diagnosis.diagnose import candidate_names, diagnose
-from microgripper_control.diagnosis.trial import Trial
+from microgripper_control.diagnosis.fits.trial import Trial
+from microgripper_control.diagnosis.search import resettling, rounds
 from microgripper_control.plant.model import nominal_model
 from microgripper_control.plant.simulate import simulate
 

@@ -10,8 +10,8 @@ from planted_residuals import NOISE, PERIOD, loops, multisine, planted, staircas
 from scipy.signal import lfilter
 
 from microgripper_control.core.signals import Array
-from microgripper_control.diagnosis.freeform import explainable
-from microgripper_control.diagnosis.residuals import Residual
+from microgripper_control.diagnosis.data.residuals import Residual
+from microgripper_control.diagnosis.signs.freeform import explainable
 from microgripper_control.plant.model import nominal_model
 from microgripper_control.plant.simulate import simulate
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from microgripper_control.core.signals import Array
-from microgripper_control.diagnosis.grid import (
+from microgripper_control.diagnosis.data.grid import (
     common_step,
     noise_under,
     refuted,

@@ -9,10 +9,10 @@ import pytest
 
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.recording import Recording
-from microgripper_control.diagnosis.evidence import Evidence
-from microgripper_control.diagnosis.fitting import refine
-from microgripper_control.diagnosis.identified_model import allowed, identified
-from microgripper_control.diagnosis.trial import Trial, fitted_keys
+from microgripper_control.diagnosis.data.evidence import Evidence
+from microgripper_control.diagnosis.fits.fitting import refine
+from microgripper_control.diagnosis.fits.identified_model import allowed, identified
+from microgripper_control.diagnosis.fits.trial import Trial, fitted_keys
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.model import nominal_model
 from microgripper_control.plant.simulate import Hold, Initial, simulate

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from microgripper_control.diagnosis.noise import innovation, quietest, usual_innovation
+from microgripper_control.diagnosis.data.noise import innovation, quietest, usual_innovation
 
 WHITE = np.random.default_rng(4).normal(0.0, 15e-9, 20000)
 WAVE = 1e-6 * np.sin(2e-3 * np.pi * np.arange(20000))

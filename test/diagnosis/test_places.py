@@ -6,8 +6,8 @@ import math
 
 import pytest
 
+from microgripper_control.diagnosis.answers.places import place, where
 from microgripper_control.diagnosis.findings import Range
-from microgripper_control.diagnosis.places import place, where
 
 
 @pytest.mark.parametrize(

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from microgripper_control.core.recording import Recording
-from microgripper_control.diagnosis.evidence import Evidence
-from microgripper_control.diagnosis.part import may_join
-from microgripper_control.diagnosis.trial import Trial, problem_of
+from microgripper_control.diagnosis.data.evidence import Evidence
+from microgripper_control.diagnosis.fits.trial import Trial, problem_of
+from microgripper_control.diagnosis.search.labour import may_join
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.model import Model, nominal_model

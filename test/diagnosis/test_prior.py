@@ -9,10 +9,10 @@ import pytest
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
-from microgripper_control.diagnosis.evidence import Evidence
-from microgripper_control.diagnosis.fitting import refine
-from microgripper_control.diagnosis.prior import Prior
-from microgripper_control.diagnosis.refit import nominal_trial
+from microgripper_control.diagnosis.data.evidence import Evidence
+from microgripper_control.diagnosis.fits.fitting import refine
+from microgripper_control.diagnosis.fits.prior import Prior
+from microgripper_control.diagnosis.search.refit import nominal_trial
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.identification.problem import Problem
 from microgripper_control.plant.model import Model

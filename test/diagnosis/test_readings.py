@@ -7,7 +7,7 @@ import pytest
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
-from microgripper_control.diagnosis.readings import reading_warnings
+from microgripper_control.diagnosis.data.readings import reading_warnings
 
 T = 1e-3 * np.arange(4000)
 VOLTAGE = 75.0 * (1.0 - np.cos(2.0 * np.pi * T))

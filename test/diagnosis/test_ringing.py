@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from microgripper_control.core.recording import Recording
-from microgripper_control.diagnosis.evidence import Evidence
-from microgripper_control.diagnosis.refit import nominal_trial, refit_trial, refits
-from microgripper_control.diagnosis.ringing import other_frequencies, pace
-from microgripper_control.diagnosis.trial import Trial
+from microgripper_control.diagnosis.data.evidence import Evidence
+from microgripper_control.diagnosis.fits.trial import Trial
+from microgripper_control.diagnosis.search.refit import nominal_trial, refit_trial, refits
+from microgripper_control.diagnosis.search.ringing import other_frequencies, pace
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.model import Model, nominal_model
 from microgripper_control.plant.simulate import simulate

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from microgripper_control.core.errors import MicrogripperError
-from microgripper_control.diagnosis.schedule import cluster, side_by_side
+from microgripper_control.diagnosis.search.schedule import cluster, side_by_side
 
 PATIENCE = 120.0  # s
 
@@ -59,7 +59,7 @@ def test_a_cluster_does_the_same_work(address: str) -> None:
 
 
 def test_nobody_at_the_address_is_one_clear_line(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("microgripper_control.diagnosis.schedule.PATIENCE", 0.5)
+    monkeypatch.setattr("microgripper_control.diagnosis.search.schedule.PATIENCE", 0.5)
     with (
         pytest.raises(MicrogripperError, match=r"^--scheduler tcp://127\.0\.0\.1:9: "),
         cluster("tcp://127.0.0.1:9"),

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from microgripper_control.core.recording import Recording
-from microgripper_control.diagnosis.evidence import Evidence
-from microgripper_control.diagnosis.fitting import base_of
-from microgripper_control.diagnosis.refit import nominal_trial, refit_trial
-from microgripper_control.diagnosis.screening import guesses
+from microgripper_control.diagnosis.data.evidence import Evidence
+from microgripper_control.diagnosis.fits.fitting import base_of
+from microgripper_control.diagnosis.search.refit import nominal_trial, refit_trial
+from microgripper_control.diagnosis.search.screening import guesses
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.model import nominal_model
 from microgripper_control.plant.simulate import simulate

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from microgripper_control.core.recording import Recording
-from microgripper_control.diagnosis.evidence import Evidence
-from microgripper_control.diagnosis.sensor_clock import on_its_clocks, retimed
-from microgripper_control.diagnosis.trial import Trial
+from microgripper_control.diagnosis.data.evidence import Evidence
+from microgripper_control.diagnosis.fits.trial import Trial
+from microgripper_control.diagnosis.search.sensor_clock import on_its_clocks, retimed
 from microgripper_control.identification.fit import fit
 from microgripper_control.identification.nuisance import (
     Conditions,

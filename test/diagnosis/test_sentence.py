@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import pytest
 
+from microgripper_control.diagnosis.answers.sentence import described, sentence
 from microgripper_control.diagnosis.findings import (
     EFFECTS,
     NONE,
@@ -16,7 +17,6 @@ from microgripper_control.diagnosis.findings import (
     Gap,
     Range,
 )
-from microgripper_control.diagnosis.sentence import described, sentence
 from microgripper_control.effects.base import Scales, no_starts
 from microgripper_control.effects.registry import registry
 from microgripper_control.plant.model import Model, Setting, nominal_model

@@ -7,7 +7,7 @@ import pytest
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
-from microgripper_control.diagnosis.settling import find_period, settled
+from microgripper_control.diagnosis.data.settling import find_period, settled
 
 PERIOD = 1e-3  # s
 TIME = PERIOD * np.arange(8000)

@@ -8,10 +8,10 @@ from planted_residuals import GAIN, NOISE, PERIOD, loops, motion, multisine, pla
 from scipy.signal import lfilter
 
 from microgripper_control.core.recording import Recording
+from microgripper_control.diagnosis.data.residuals import Residual
 from microgripper_control.diagnosis.findings import Signature
-from microgripper_control.diagnosis.residuals import Residual
-from microgripper_control.diagnosis.reversals import widths_by_rate
-from microgripper_control.diagnosis.signatures import signatures
+from microgripper_control.diagnosis.signs.reversals import widths_by_rate
+from microgripper_control.diagnosis.signs.signatures import signatures
 from microgripper_control.effects.registry import registry
 
 

@@ -9,11 +9,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from microgripper_control.diagnosis.answer import ambiguous, by_importance, chosen, verdict
-from microgripper_control.diagnosis.findings import EFFECTS, UNKNOWN
-from microgripper_control.diagnosis.pool import Pool
-from microgripper_control.diagnosis.trial import Trial
-from microgripper_control.diagnosis.weighing import (
+from microgripper_control.diagnosis.answers.answer import ambiguous, by_importance, chosen, verdict
+from microgripper_control.diagnosis.answers.weighing import (
     AGREES,
     MISTUNED,
     NOTHING,
@@ -22,6 +19,9 @@ from microgripper_control.diagnosis.weighing import (
     Left,
     weigh,
 )
+from microgripper_control.diagnosis.findings import EFFECTS, UNKNOWN
+from microgripper_control.diagnosis.fits.trial import Trial
+from microgripper_control.diagnosis.search.pool import Pool
 from microgripper_control.effects.registry import registry
 from microgripper_control.plant.model import Model, nominal_model
 

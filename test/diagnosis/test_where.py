@@ -20,13 +20,13 @@ from scipy.signal import lfilter
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
+from microgripper_control.diagnosis.answers.places import place
+from microgripper_control.diagnosis.data.residuals import Residual
 from microgripper_control.diagnosis.findings import Range
-from microgripper_control.diagnosis.freeform import explainable
-from microgripper_control.diagnosis.holds import growth_in_holds
-from microgripper_control.diagnosis.places import place
-from microgripper_control.diagnosis.residuals import Residual
-from microgripper_control.diagnosis.signatures import signatures
-from microgripper_control.diagnosis.where import locate, recent_rate
+from microgripper_control.diagnosis.signs.freeform import explainable
+from microgripper_control.diagnosis.signs.holds import growth_in_holds
+from microgripper_control.diagnosis.signs.signatures import signatures
+from microgripper_control.diagnosis.signs.where import locate, recent_rate
 
 
 def time_of(voltage: Array) -> Array:

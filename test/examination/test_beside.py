@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from microgripper_control.core.recording import Recording
-from microgripper_control.diagnosis.evidence import Evidence
-from microgripper_control.diagnosis.refit import nominal_trial, refit_trial
+from microgripper_control.diagnosis.data.evidence import Evidence
+from microgripper_control.diagnosis.search.refit import nominal_trial, refit_trial
 from microgripper_control.effects.registry import registry
 from microgripper_control.examination.beside import grey_box
 from microgripper_control.examination.beside.black_box import shrink

@@ -11,9 +11,9 @@ from microgripper_control.bench import rig
 from microgripper_control.bench.row import LONGER, Effort, Line, Measured, Row, at_most
 from microgripper_control.bench.timing import Spread
 from microgripper_control.core.recording import Recording
+from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.diagnose import diagnose
-from microgripper_control.diagnosis.evidence import Evidence
-from microgripper_control.diagnosis.refit import nominal_trial, refit_trial
+from microgripper_control.diagnosis.search.refit import nominal_trial, refit_trial
 from microgripper_control.examination.beside.evidence import Begun
 from microgripper_control.examination.beside.grey_box import select
 from microgripper_control.identification.nuisance import Conditions

@@ -8,9 +8,9 @@ from pathlib import Path
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
-from microgripper_control.diagnosis.evidence import Evidence, rms
-from microgripper_control.diagnosis.refit import nominal_trial, refit_trial
-from microgripper_control.diagnosis.trial import Trial
+from microgripper_control.diagnosis.data.evidence import Evidence, rms
+from microgripper_control.diagnosis.fits.trial import Trial
+from microgripper_control.diagnosis.search.refit import nominal_trial, refit_trial
 from microgripper_control.identification.nuisance import (
     Conditions,
     Mask,

@@ -14,8 +14,8 @@ import numpy as np
 
 from microgripper_control.diagnosis.diagnose import candidate_names
 from microgripper_control.diagnosis.findings import NONE, PARAMETERS
-from microgripper_control.diagnosis.fitting import refine
-from microgripper_control.diagnosis.trial import Trial, fitted_keys, problem_of
+from microgripper_control.diagnosis.fits.fitting import refine
+from microgripper_control.diagnosis.fits.trial import Trial, fitted_keys, problem_of
 from microgripper_control.effects.registry import registry
 from microgripper_control.examination.beside.evidence import Begun
 

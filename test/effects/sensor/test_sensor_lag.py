@@ -9,7 +9,7 @@ import pytest
 from scipy.signal import cont2discrete, lfilter
 
 from microgripper_control.core.signals import POSITION, Array
-from microgripper_control.diagnosis.trial import fitted_keys
+from microgripper_control.diagnosis.fits.trial import fitted_keys
 from microgripper_control.effects.base import Scales
 from microgripper_control.effects.registry import registry
 from microgripper_control.plant.model import Model

@@ -1,0 +1,1 @@
+"""From what was tried to probabilities, names and sentences."""

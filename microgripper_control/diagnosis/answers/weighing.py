@@ -1,0 +1,223 @@
+"""How probable each explanation is, from what all of them leave.
+
+An explanation is a set of effects. Its evidence is the logarithm of how far it brings the error
+down, times the number of independent samples:
+
+    E = M ln(R_refit / R) + exact ln(r_refit / r) - odds,
+    R^2 = rmse^2 + (mismatch e)^2,        r^2 = rmse^2 - floor^2 + 0.1 floor^2
+
+M counts the residual of the refit by its autocorrelation time and is capped: many samples do not
+make a wrong law right. No law of the library is the rig's own, so the right one still leaves a
+share `mismatch` of the gap e = sqrt(refit^2 - floor^2), and what is left below it says little. It
+says something, for of two laws that close the gap the one that leaves nothing but noise is right
+more often: that is the second term. Below the floor nothing counts.
+Both terms are taken on the judging samples and, with a weight, on the fitted ones: an effect may
+show in the one and not in the other. Flexible laws are held back by the former.
+`odds` are what an explanation must gain before it is believed: one amount for an effect, a further
+one for each other, a little for each parameter that is at work; less where their signatures are
+there and more where they should be and are not; and more for what is left of the gap where an
+effect's name leaves its law little choice.
+`none` is the nominal model as it was given, `parameters` the refit, `unknown` a law that is not in
+the library and leaves the share `unknown_rest` of the gap.
+
+The constants of `Weights` were fitted to cases of two rigs that share no code with the library (one
+is that of `validation/`, form a, seeds below 10000), and to the same cases with the right effect
+left out of the library; `docs/diagnosis.md` says how many.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from microgripper_control.core.signals import Array
+from microgripper_control.diagnosis.data.grid import unrounded
+from microgripper_control.diagnosis.data.noise import independent_samples, removable
+from microgripper_control.diagnosis.findings import NONE, PARAMETERS, UNKNOWN, Signature
+from microgripper_control.diagnosis.fits.trial import Trial, evenly
+from microgripper_control.diagnosis.search.pool import Pool, is_read_off
+from microgripper_control.effects.registry import registry
+
+Explanation = frozenset[str]
+NOTHING: Explanation = frozenset([NONE])
+MISTUNED: Explanation = frozenset([PARAMETERS])
+OUTSIDE: Explanation = frozenset([UNKNOWN])
+# What an effect's signature says for it where it is there, a natural logarithm of odds: half of how
+# much oftener it was there with the effect at work than without. The fits have seen the same, so
+# it does not count in full.
+AGREES = {
+    "mains_hum": 2.6,
+    "sensor_quantization": 2.6,
+    "extra_resonance": 2.3,
+    "creep": 2.2,
+    "rate_dependent_hysteresis": 1.8,
+    "slew_limit": 1.5,
+    "amplifier_lag": 1.4,
+    "thermal_drift": 1.3,
+    "transport_delay": 1.3,
+    "sensor_lag": 1.3,  # three lags show alike: the sign must not decide between them
+    "contact": 1.1,
+    "saturation": 0.8,
+    "backlash": 0.7,
+    "friction": 0.6,
+}
+# What leaving all of the gap would cost an effect, and in proportion what it leaves of it. A drift
+# has a course of its own in each recording, which leaves next to nothing of what is a drift.
+# Hysteresis and friction are named by what they do: each rig has a law of its own.
+LEAVING = {
+    "thermal_drift": 4.0,
+    "asymmetric_hysteresis": 0.0,
+    "rate_dependent_hysteresis": 0.0,
+    "friction": 0.0,
+    "restoring_force_hysteresis": 0.0,
+}
+NEARLY = 0.1  # of the noise's power: what a law may leave besides and be as good as the rig's own
+USUAL = 3  # parameters that are at work in an effect's law
+TINY = 1e-30  # m^2: keeps an error of zero from being infinitely good
+
+
+@dataclass(frozen=True)
+class Weights:
+    """What the weighing was calibrated to; all in natural logarithms of odds or shares."""
+
+    least: float = 16.0  # independent samples that count, however few they seem,
+    most: float = 24.0  # and however many
+    fitted: float = 1.0  # weight of the fitted samples beside the judging ones
+    mismatch: float = 1.2
+    exact: float = 0.9
+    unknown_rest: float = 0.14
+    effect: float = 4.3
+    further: float = 1.0
+    unknown: float = 5.7
+    none: float = 3.4  # in favour of the model as it was given
+    parameter: float = 0.15  # for each parameter at work beyond the usual, in favour below
+    leaving: float = 2.0  # as LEAVING, of an effect that is not there
+    contradicts: float = 0.7  # against an effect whose signature should be there and is not
+    unusual: float = 2.0  # against one of a size that goes by another name; not fitted to cases
+
+
+CALIBRATED = Weights()
+
+
+class Left(NamedTuple):
+    """An error on the judging samples and on the fitted ones, m."""
+
+    judged: float
+    fitted: float
+
+    @property
+    def both(self) -> float:
+        """As `Trial.both`."""
+        return evenly(*self)
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What the weighing looks at: what each explanation leaves, and M."""
+
+    nominal: Left
+    refit: Left
+    floor: float
+    independent: float
+    tried: Mapping[Explanation, Left]
+    signs: Mapping[str, bool | None] = field(default_factory=dict)  # effect: does it agree?
+    unusual: Mapping[Explanation, float] = field(default_factory=dict)  # `Link.unusual`, summed
+    beyond: Mapping[Explanation, int] = field(default_factory=dict)  # parameters over the usual
+
+    @classmethod
+    def of(cls, pool: Pool, signatures: Sequence[Signature] = ()) -> Facts:
+        """The facts in a pool and what fit-free tests say."""
+        return cls(
+            nominal=_left(pool.nominal),
+            refit=_left(pool.refit),
+            floor=pool.noise_floor,
+            independent=independent_samples(pool.refit.errors),
+            tried={
+                effects: explained(effects, trial, pool) for effects, trial in pool.tried.items()
+            },
+            signs={signature.effect: signature.agrees for signature in signatures},
+            unusual={
+                effects: _unusual(effects, trial, pool) for effects, trial in pool.tried.items()
+            },
+            beyond={effects: _beyond(effects, trial) for effects, trial in pool.tried.items()},
+        )
+
+
+def _unusual(effects: Explanation, trial: Trial, pool: Pool) -> float:
+    scales = pool.evidence.scales
+    return math.fsum(registry()[name].unusual(trial.model.values(name), scales) for name in effects)
+
+
+def _beyond(effects: Explanation, trial: Trial) -> int:
+    """How many more parameters than usual were fitted and are not at zero, where most vanish."""
+    at_work = [key for key in trial.free if key[0] in effects and trial.model.value(*key) != 0.0]
+    return len(at_work) - USUAL * len(effects)
+
+
+def _left(trial: Trial) -> Left:
+    return Left(trial.rmse, trial.fitted_rmse)
+
+
+def explained(effects: Explanation, trial: Trial, pool: Pool) -> Left:
+    """What an explanation leaves.
+
+    A grid of step q explains readings that lie on it without predicting them better: under noise
+    the rounded prediction is often worse. So it counts as taking away from what its other effects
+    leave the variance of rounding, q^2 / 12, and that of a grid that is bowed as far as they are.
+    """
+    rounding = frozenset(name for name in effects if is_read_off(name))
+    if not rounding:
+        return _left(trial)
+    rest = _left(pool.tried.get(effects - rounding, pool.refit))
+    return Left(*(unrounded(error, pool.step) for error in rest))
+
+
+def _unclosed(left: Left, gap: Left, floor: float) -> float:
+    """What is left of the gap, from 0 to 1; of one that is not there nothing."""
+    shares = (
+        min(1.0, removable(error, floor) / whole) if whole > 0.0 else 0.0
+        for error, whole in zip(left, gap, strict=True)
+    )
+    return Left(*shares).both
+
+
+def weigh(facts: Facts, weights: Weights = CALIBRATED) -> dict[Explanation, float]:
+    """The probability of each explanation; they sum to one."""
+    count = min(max(facts.independent, weights.least), weights.most)
+    gap = Left(*(removable(error, facts.floor) for error in facts.refit))
+
+    floor = facts.floor**2
+    before = np.square(np.maximum(facts.refit, facts.floor))
+
+    def gain(left: Left, slack: Array) -> float:
+        rest = np.square(np.maximum(left, facts.floor))
+        shrunk = 0.5 * np.log((before + slack) / (rest + slack))
+        return float(shrunk @ (1.0, weights.fitted))
+
+    mismatched = (weights.mismatch * np.array(gap)) ** 2 + TINY
+    nearly_exact = np.full(2, (NEARLY - 1.0) * floor + TINY)
+
+    def evidence(left: Left) -> float:
+        return count * gain(left, mismatched) + weights.exact * gain(left, nearly_exact)
+
+    logs = {NOTHING: evidence(facts.nominal) + weights.none, MISTUNED: 0.0}
+    rest = Left(*(float(np.hypot(facts.floor, weights.unknown_rest * error)) for error in gap))
+    logs[OUTSIDE] = evidence(rest) - weights.unknown
+    for effects, left in facts.tried.items():
+        odds = weights.effect + (len(effects) - 1) * weights.further
+        odds += weights.unusual * facts.unusual.get(effects, 0.0)
+        odds += weights.parameter * facts.beyond.get(effects, 0)
+        unclosed = _unclosed(left, gap, facts.floor)
+        for name in sorted(effects):
+            odds += unclosed * LEAVING.get(name, weights.leaving)
+            if facts.signs.get(name) is not None:
+                odds += -AGREES.get(name, 0.0) if facts.signs[name] else weights.contradicts
+        logs[effects] = evidence(left) - odds
+    largest = max(logs.values())
+    parts = {explanation: float(np.exp(log - largest)) for explanation, log in logs.items()}
+    total = math.fsum(parts.values())  # in whatever order they were tried
+    return {explanation: part / total for explanation, part in parts.items()}

@@ -1,0 +1,96 @@
+"""What a model leaves of a recording, and the stretches and courses it is looked at along."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from microgripper_control.core.recording import Recording
+from microgripper_control.core.signals import Array
+from microgripper_control.diagnosis.data.evidence import Evidence
+from microgripper_control.identification.nuisance import Mask, heldout_prediction
+from microgripper_control.plant.model import Model
+
+STILL = 1e-3  # of the largest change between two samples: below it the voltage is held
+
+
+@dataclass(frozen=True)
+class Residual:
+    """A recording and what a model leaves of it."""
+
+    recording: Recording
+    error: Array  # m, shape (n,), measured minus predicted
+    counted: Mask  # shape (n,), the samples that count
+
+    @property
+    def period(self) -> float:
+        """Between two samples, s."""
+        return self.recording.sample_period
+
+    @property
+    def rate(self) -> Array:
+        """Of the voltage, V/s, shape (n,): from each sample to the next, zero at the last."""
+        voltage = self.recording.voltage
+        return np.diff(voltage, append=voltage[-1]) / self.period
+
+    @property
+    def moves(self) -> Mask:
+        """The samples that came with a change of voltage, shape (n,)."""
+        change = np.abs(np.diff(self.recording.voltage, prepend=self.recording.voltage[0]))
+        moving: Mask = change > STILL * np.max(change)
+        return moving
+
+    @property
+    def hold_time(self) -> Array:
+        """Time since the voltage last changed, s, shape (n,); NaN where it moves."""
+        moves = self.moves
+        index = np.arange(len(moves))
+        last = np.maximum.accumulate(np.where(moves, index, -1))
+        since = (index - last) * self.period
+        return np.asarray(np.where((last >= 0) & ~moves, since, np.nan), dtype=np.float64)
+
+    def runs(self, shortest: int) -> list[slice]:
+        """The stretches of counted samples without a gap, of at least `shortest` samples."""
+        edges = np.flatnonzero(np.diff(self.counted.astype(np.int8), prepend=0, append=0))
+        pairs = zip(edges[::2], edges[1::2], strict=True)
+        return [slice(int(a), int(b)) for a, b in pairs if b - a >= shortest]
+
+    def holds(self, shortest: float) -> list[slice]:
+        """The stretches, counted or not, in which the voltage is held for `shortest` s or more.
+
+        Each begins with the first sample after the last change, which is one before the stretch.
+        """
+        starts = np.flatnonzero(self.moves)
+        ends = np.append(starts[1:], len(self.moves))
+        least = max(2, round(shortest / self.period))
+        return [
+            slice(int(a) + 1, int(b)) for a, b in zip(starts, ends, strict=True) if b - a > least
+        ]
+
+
+def gap_power(residuals: Sequence[Residual], noise: float) -> float:
+    """Mean square of the counted errors above the noise, m^2; `noise` in m."""
+    squares = np.concatenate([residual.error[residual.counted] ** 2 for residual in residuals])
+    return float(np.mean(squares)) - noise**2
+
+
+def residuals_of(evidence: Evidence, model: Model) -> tuple[list[Residual], list[Residual]]:
+    """What a model leaves where it was fitted and where it is judged."""
+    judging = zip(evidence.judged, evidence.predictions(model), strict=True)
+    return fitted_residuals(evidence, model), [
+        _left(r, prediction, counted) for r, (prediction, counted) in judging
+    ]
+
+
+def fitted_residuals(evidence: Evidence, model: Model) -> list[Residual]:
+    """What a model leaves where it was fitted."""
+    return [
+        _left(r, heldout_prediction(model, r, evidence.conditions)[0], used & r.explained)
+        for r, used in zip(evidence.fitted, evidence.used, strict=True)
+    ]
+
+
+def _left(recording: Recording, prediction: Array, counted: Mask) -> Residual:
+    return Residual(recording, recording.measured - prediction, counted)

@@ -1,0 +1,1 @@
+"""The voltage that would tell more."""

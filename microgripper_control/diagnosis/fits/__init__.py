@@ -1,0 +1,1 @@
+"""One explanation fitted to the evidence, and what may be said of the fit."""

@@ -1,0 +1,93 @@
+"""The model that a diagnosis hands on: with intervals, and with what only a live run needs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from microgripper_control.core.parameters import Parameter
+from microgripper_control.core.signals import Array
+from microgripper_control.diagnosis.data.evidence import Evidence
+from microgripper_control.diagnosis.fits.trial import Trial, problem_of
+from microgripper_control.effects.registry import registry
+from microgripper_control.identification.confidence import autocorrelation_time, interval
+from microgripper_control.identification.determined import variances
+from microgripper_control.identification.nuisance import own_courses
+from microgripper_control.identification.problem import Problem
+from microgripper_control.plant.model import Model, Setting
+from microgripper_control.plant.simulate import Hold
+
+DELAY = ("transport_delay", "delay")
+LIKELY = 3.84  # chi squared of one parameter at 95 %
+HALVINGS = 12  # of a sample period: how closely the end of a range is told
+
+
+def identified(evidence: Evidence, trial: Trial) -> Model:
+    """The trial's model with 95 % intervals of what was fitted."""
+    problem = problem_of(evidence, trial.model, trial.free)
+    z = problem.point(trial.model, trial.initial_hysteresis)
+    spread = variances(problem, z)
+    freedom = problem.samples - len(z)
+    settings = {}
+    for index, key in enumerate(problem.free):
+        value, scale = trial.model.value(*key), float(problem.scales[index])
+        bounds = interval(value, float(spread[index]) * scale**2, freedom)
+        if key == DELAY and evidence.conditions.hold is Hold.ZERO:
+            period = max(recording.sample_period for recording in evidence.fitted)
+            bounds = _without_a_trace(problem, z, index, period)
+        settings[key] = Setting(value, allowed(bounds, registry()[key[0]].parameter(key[1])))
+    return _as_observed(problem, z, trial.model.with_settings(settings))
+
+
+def allowed(bounds: tuple[float, float], parameter: Parameter) -> tuple[float, float]:
+    """An interval as far as the parameter may go; infinite if that tells nothing of it."""
+    low, high = bounds
+    if low <= parameter.low and high >= parameter.high:
+        return -math.inf, math.inf
+    return parameter.nearest(low), parameter.nearest(high)
+
+
+def _without_a_trace(problem: Problem, z: Array, index: int, period: float) -> tuple[float, float]:
+    """Between which delays, s, the recordings show no difference.
+
+    A plant that settles within a sample answers to a held voltage alike wherever in the sample it
+    steps, and another sample late quite otherwise: a derivative tells nothing of that.
+    """
+    residuals, scale = problem.residuals(z), float(problem.scales[index])
+    least = float(residuals @ residuals)
+    most = least * (1.0 + LIKELY * autocorrelation_time(residuals) / len(residuals))
+
+    def likely(delay: float) -> bool:
+        other = z.copy()
+        other[index] = delay / scale
+        left = problem.residuals(other)
+        return float(left @ left) <= most
+
+    value = float(z[index]) * scale
+    return _end(likely, value, max(0.0, value - period)), _end(likely, value, value + period)
+
+
+def _end(likely: Callable[[float], bool], inside: float, beyond: float) -> float:
+    """Where on the way from a likely value to another it is so no longer."""
+    if likely(beyond):
+        return beyond
+    for _ in range(HALVINGS):
+        middle = 0.5 * (inside + beyond)
+        inside, beyond = (middle, beyond) if likely(middle) else (inside, middle)
+    return inside
+
+
+def _as_observed(problem: Problem, z: Array, model: Model) -> Model:
+    """What the first recording showed of hum and drift, which predictions leave to each recording.
+
+    A live simulation needs their sizes; no prediction changes by them.
+    """
+    recording = problem.recordings[0]
+    time = np.asarray(recording.sample_period * np.arange(len(recording)), dtype=np.float64)
+    for name, (weights, _) in own_courses(model, recording, problem.nuisances(z)[0]).items():
+        for key, value in registry()[name].observed(model.values(name), weights, time).items():
+            inside = registry()[name].parameter(key).nearest(value)
+            model = model.with_values({(name, key): inside})
+    return model

@@ -1,0 +1,1 @@
+"""Which explanations are tried, and how far each is fitted."""

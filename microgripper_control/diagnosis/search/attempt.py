@@ -1,0 +1,201 @@
+"""One effect added to an explanation: from first guesses to the best fit, and why there is none.
+
+Nothing that goes wrong with one effect stops the others: what cannot be fitted is told, not raised.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from microgripper_control.core.quantities import quantity
+from microgripper_control.diagnosis.data.evidence import Evidence
+from microgripper_control.diagnosis.data.grid import refuted
+from microgripper_control.diagnosis.fits.fitting import Base, begun, extend, fit_on, half_way
+from microgripper_control.diagnosis.fits.trial import Trial, judged, moved, unfitted
+from microgripper_control.diagnosis.search.finishing import refined
+from microgripper_control.diagnosis.search.labour import is_dear
+from microgripper_control.diagnosis.search.screening import Guess, guesses, kind
+from microgripper_control.diagnosis.search.stretches import GLANCE, MANY, on_a_part
+from microgripper_control.effects.base import Values
+from microgripper_control.effects.registry import registry
+
+STARTS, MOST_STARTS = 2, 4  # best first guesses that are fitted,
+ENOUGH = 60_000  # samples times guesses: few samples take many
+STEPS = 12  # of a fit from a first guess, at most
+FAR_OFF = 2.0  # times what is hopeless: a first fit that leaves more is not gone on with
+FALLEN_SHORT = 1.2  # times what a guess had promised: a fit that leaves more has gone astray
+DEAR_STEPS = 8  # where each sample is dear: first with the base's derivatives kept, then all fresh
+CARRIED = 2  # fits of a part of the samples that are tried on all; of an effect that joins, one
+SETTLING_IN = 5  # steps with the same derivatives, from a part of the samples to all of them
+MISLED = 1.5  # times what is left of a part: where all samples leave more, it has misled the fit
+ROUNDS, FALLING = 5, 0.8  # of a misled fit, as long as each leaves so much of what was left
+ROUGH = 1e-3  # tolerance
+
+
+class Scrutiny(NamedTuple):
+    """How far an effect is worth being fitted."""
+
+    samples: int  # on which a dear one is fitted first
+    starts: int = MOST_STARTS
+    hopeless: float = math.inf  # m: what leaves more is fitted no further
+    known: float = 0.0  # m, what the best of the others leaves
+    alone: Sequence[Values] = ()  # what an effect that joins others was by itself
+
+
+def attempt(
+    evidence: Evidence, bases: Sequence[Base], name: str, scrutiny: Scrutiny
+) -> tuple[str, Trial | None, str]:
+    """Add one effect to the bases: its name, the best fit, and why there is none.
+
+    A dear one that leaves less of a part of the samples than the best of the others, and then more
+    of all, is worth a longer fit.
+    """
+    try:
+        with np.errstate(all="ignore"):  # a hopeless guess may overflow: it is then no start
+            return name, *_attempt(evidence, bases, name, scrutiny)
+    except (ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
+        return name, None, f"could not be fitted: {error}"
+
+
+def _attempt(
+    evidence: Evidence, bases: Sequence[Base], name: str, scrutiny: Scrutiny
+) -> tuple[Trial | None, str]:
+    link = registry()[name]
+    if not link.starts(evidence.scales):
+        return None, "nothing in the recordings to start from"
+    if link.read_off:
+        step, error = evidence.scales.resolution, bases[0].trial.fitted_rmse
+        if refuted(step, error, [recording.measured for recording in evidence.fitted]):
+            return None, f"readings on steps of {quantity(step, 'm')} could not follow so closely"
+        return behind(evidence, bases[0].trial, name), ""
+    part, anchors = on_a_part(evidence, bases, name, scrutiny.samples)
+    samples = sum(int(np.count_nonzero(used)) for used in part.used)
+    wanted = min(scrutiny.starts, max(STARTS, ENOUGH // samples))
+    starts = guesses(part, anchors, name, wanted, scrutiny.alone)
+    fits = [_fit_from(part, start, name, FAR_OFF * scrutiny.hopeless) for start in starts]
+    found = [fit for fit in fits if fit is not None and np.isfinite(fit.fitted_rmse)]
+    if not found:
+        return None, "no start could be fitted"
+    alone = not anchors[0].trial.effects
+    near = min(fit.fitted_rmse for fit in found) < FAR_OFF * scrutiny.hopeless
+    if alone and near and any(is_dear(part, fit.model) for fit in found):
+        found += [fit_on(part, fit, ROUGH, DEAR_STEPS) for fit in best_of_each_kind(found, name)]
+    if part is evidence:
+        return min((judged(evidence, fit) for fit in found), key=lambda trial: trial.both), ""
+    found.sort(key=lambda trial: trial.fitted_rmse)
+    if not alone:
+        found, scrutiny = found[:1], scrutiny._replace(known=0.0)
+    whole = _carried(evidence, found, name, scrutiny)
+    if whole is None:
+        return None, "diverges where it was not fitted"
+    return judged(evidence, whole), ""
+
+
+def _carried(
+    evidence: Evidence, found: Sequence[Trial], name: str, scrutiny: Scrutiny
+) -> Trial | None:
+    """The best fit on all samples of those that were found on a part, best first.
+
+    None if all diverge there.
+    """
+    least = found[0].fitted_rmse
+    if least >= scrutiny.hopeless:
+        return _on_all(evidence, found[:1])
+    # What fits a part best may have bent to it: elsewhere it fits worse, or diverges.
+    whole = _on_all(evidence, found[:CARRIED])
+    if whole is None:
+        return None
+    whole = fit_on(evidence, whole, ROUGH, SETTLING_IN, fresh=())
+    if least >= scrutiny.known or whole.fitted_rmse <= MISLED * least:
+        return whole
+    more = evidence.pieces(MANY)
+    others = [moved(more, fit) for fit in best_of_each_kind(found, name)]
+    further = _least([_while_it_falls(more, fit) for fit in others])
+    if further is not None and more is not evidence:
+        further = _on_all(evidence, [further])
+        further = further and fit_on(evidence, further, ROUGH, SETTLING_IN, fresh=())
+    return _least([fit for fit in (whole, further) if fit is not None])
+
+
+def _on_all(evidence: Evidence, fits: Sequence[Trial]) -> Trial | None:
+    """The best on all samples of what was fitted to a part, not fitted on; None if all diverge."""
+    return _least([unfitted(evidence, moved(evidence, fit)) for fit in fits])
+
+
+def _while_it_falls(evidence: Evidence, trial: Trial) -> Trial:
+    """Fit what a part has misled on more samples, in rounds.
+
+    Stretches do not show a force what it remembers from before them: where its memory is long, the
+    way back from what they made of it is long as well.
+    """
+    left = math.inf
+    for _ in range(ROUNDS):
+        trial = fit_on(evidence, trial, ROUGH, DEAR_STEPS)
+        if not trial.fitted_rmse < FALLING * left:
+            break
+        left = trial.fitted_rmse
+    return trial
+
+
+def _least(trials: Sequence[Trial]) -> Trial | None:
+    sound = [trial for trial in trials if np.isfinite(trial.fitted_rmse)]
+    return min(sound, key=lambda trial: trial.fitted_rmse, default=None)
+
+
+def best_of_each_kind(found: Sequence[Trial], name: str) -> list[Trial]:
+    """A law may have parts of which a fit takes one: the one that ends lower may begin higher."""
+    best = sorted(found, key=lambda trial: trial.fitted_rmse, reverse=True)
+    return list({kind(fit.model, name): fit for fit in best}.values())
+
+
+def _fit_from(evidence: Evidence, guess: Guess, name: str, too_far: float) -> Trial | None:
+    """Fit from a first guess: with few derivatives fresh, then, where no sample is dear, with all.
+
+    All at once from the guess would often lead astray, few of them alone far too little. Where less
+    comes of it than the guess had promised, the base's parameters go first.
+    """
+    fit = extend(evidence, guess.base, guess.model, [name])
+    if is_dear(evidence, guess.model) or (fit is not None and fit.fitted_rmse > too_far):
+        return fit
+    fit = fit_on(evidence, fit or begun(guess.base, guess.model, [name]), ROUGH, STEPS)
+    promised = math.sqrt(max(guess.left, 0.0) / len(guess.base.residual))
+    if fit.fitted_rmse < FALLEN_SHORT * promised:
+        return fit
+    start = half_way(evidence, guess.base, guess.model, [name])
+    if start is None:
+        return fit
+    other = fit_on(evidence, start, ROUGH, STEPS)
+    return min(fit, other, key=lambda trial: trial.fitted_rmse)
+
+
+def behind(evidence: Evidence, trial: Trial, name: str) -> Trial:
+    """A trial with an effect added that changes nothing in the fit."""
+    model = trial.model.with_link(name, **registry()[name].starts(evidence.scales)[0])
+    return judged(evidence, replace(trial, model=model))
+
+
+def promise(
+    evidence: Evidence, bases: Sequence[Base], name: str, alone: Sequence[Values]
+) -> tuple[str, float]:
+    """The share of a residual's power, at best, that is left when an effect joins in.
+
+    `alone` is as `Scrutiny` has it.
+    """
+    try:
+        with np.errstate(all="ignore"):
+            part, anchors = on_a_part(evidence, bases, name, GLANCE)
+            found = guesses(part, anchors, name, 1, alone)
+    except (ArithmeticError, ValueError, np.linalg.LinAlgError):
+        return name, np.inf
+    power = float(anchors[0].residual @ anchors[0].residual)
+    return name, found[0].least / power if found and power > 0.0 else np.inf
+
+
+def polish(evidence: Evidence, trial: Trial) -> Trial:
+    """Fit on with fresh derivatives."""
+    return refined(evidence, trial, ROUGH, STEPS)

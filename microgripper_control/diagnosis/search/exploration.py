@@ -1,0 +1,154 @@
+"""Which explanations are tried: each effect alone, then the best with a second and a third.
+
+Forward selection on the fitted samples with a backward check; every explanation that was tried is
+kept, and how probable each is follows from all of them together (see `weighing`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from microgripper_control.diagnosis.data.evidence import Evidence
+from microgripper_control.diagnosis.data.residuals import fitted_residuals
+from microgripper_control.diagnosis.fits.fitting import base_of
+from microgripper_control.diagnosis.fits.trial import Trial
+from microgripper_control.diagnosis.search.attempt import behind
+from microgripper_control.diagnosis.search.clocked_lags import on_the_sensors_clock
+from microgripper_control.diagnosis.search.finishing import POLISHED, refined
+from microgripper_control.diagnosis.search.labour import (
+    is_dear,
+    is_dear_with,
+    is_force,
+    is_light_with,
+    may_join,
+)
+from microgripper_control.diagnosis.search.pool import Pool, is_read_off
+from microgripper_control.diagnosis.search.resettling import again_if_settled
+from microgripper_control.diagnosis.search.rounds import Progress, play, silent
+from microgripper_control.diagnosis.signs.signatures import signatures
+from microgripper_control.effects.registry import registry
+
+MOST_EFFECTS = 3
+BEAM = 2  # explanations that a further effect is added to
+SECONDS, SECONDS_IF_DEAR = 7, 3  # second effects that are fitted, the most promising,
+THIRDS = 3  # and third ones
+UNCLOSED_IF_DEAR = 0.25  # of the gap: what asks for an effect beside a dear force, a minute's work
+FAIR_PART = 0.2  # of the gap; two independent effects of one size close 0.3 of it each
+RIVAL = 0.7  # of what the best closes: what the second must close to be a leader as well,
+RIVAL_IF_DEAR = 0.9  # and what it must with a force that remembers the way
+
+
+def explore(
+    evidence: Evidence,
+    nominal: Trial,
+    refits: Sequence[Trial],
+    candidates: Sequence[str],
+    progress: Progress = silent,
+    jobs: int = -1,
+) -> Pool:
+    """Try the candidates, alone and together, as far as there is anything to explain.
+
+    They are added to the refits, of which the first is the best, and to the nominal model.
+    """
+    refit, *others = refits
+    pool = Pool(evidence, nominal, refit)
+    names = [name for name in candidates if name not in pool.own]
+    far = replace(nominal, free=refit.free)  # from where it is, but no parameter stays there
+    bases = [base_of(evidence, trial) for trial in (refit, *others, far)]
+    # From cheap to dear: a look is enough at what costs more and has nothing left to explain.
+    dear = [name for name in names if is_dear_with(evidence, refit, name)]
+    first = [n for n in names if _is_first(n, evidence, refit)]
+    play(evidence, bases, first, len(first), pool, progress, jobs)
+    pool = on_the_sensors_clock(pool, jobs)
+    evidence = pool.evidence
+    for some in ([name for name in names if name not in (*first, *dear)], dear):
+        play(evidence, bases, some, len(some), pool, progress, jobs)
+    pool = again_if_settled(pool, jobs)
+    fitted = [name for name in names if not is_read_off(name)]
+    for size in range(1, MOST_EFFECTS):
+        if not _worth_joining(pool, size):
+            break
+        for leader in pool.best(size, BEAM):
+            if _may_lead(leader, pool, size):
+                _join(leader, fitted, pool, progress, jobs)
+    _check_backwards(pool)
+    _add_chosen(pool, names)
+    return pool
+
+
+def _is_first(name: str, evidence: Evidence, refit: Trial) -> bool:
+    """Whether an effect is tried before others: it is cheap, or may show the sensor's clock."""
+    if registry()[name].clocked:
+        return True
+    return not is_force(name) and is_light_with(evidence, refit, name)
+
+
+def _worth_joining(pool: Pool, size: int) -> bool:
+    """Whether anything is to be gained by one effect more than `size`.
+
+    The last one that was added must have closed a fair part of the gap.
+    """
+    if not (best := pool.best(size, 1)) or not pool.leaves_more(best[0]):
+        return False
+    if size == 1:
+        return pool.closed(best[0]) > FAIR_PART
+    if is_dear(pool.evidence, best[0].model):
+        return False  # a third effect beside such a force would take minutes
+    return pool.closed(best[0]) - pool.closed(pool.best(size - 1, 1)[0]) > FAIR_PART
+
+
+def _may_lead(leader: Trial, pool: Pool, size: int) -> bool:
+    """Whether one of the best explanations with `size` effects is worth a further one."""
+    costly = is_dear(pool.evidence, leader.model)
+    if costly and 1.0 - pool.closed(leader) < UNCLOSED_IF_DEAR:
+        return False
+    best = pool.best(size, 1)
+    near = RIVAL_IF_DEAR if costly else RIVAL
+    if pool.closed(leader) < near * pool.closed(best[0]):
+        return False
+    return pool.leaves_more((pool.best(size + 1, 1) or best)[0])
+
+
+def _join(leader: Trial, names: Sequence[str], pool: Pool, progress: Progress, jobs: int) -> None:
+    """Add each of some effects to a leader that was fitted to the end."""
+    evidence = pool.evidence
+    third = len(frozenset(leader.effects) - pool.own) > 1
+    most = SECONDS_IF_DEAR if is_dear(evidence, leader.model) else THIRDS if third else SECONDS
+    leader = refined(evidence, leader, POLISHED, 60)
+    pool.add(leader)
+    rest = [
+        name for name in names if name not in leader.effects and may_join(evidence, leader, name)
+    ]
+    shown = _shown_by(leader, pool)
+    play(evidence, [base_of(evidence, leader)], rest, most, pool, progress, jobs, shown)
+
+
+def _shown_by(leader: Trial, pool: Pool) -> list[str]:
+    """The effects of which what an explanation leaves where it was fitted shows a sign."""
+    left = fitted_residuals(pool.evidence, leader.model)
+    return [sign.effect for sign in signatures(left, pool.noise_floor) if sign.agrees]
+
+
+def _check_backwards(pool: Pool) -> None:
+    """Try the best explanation without each of its effects, briefly what was tried before."""
+    best = min([pool.refit, *pool.tried.values()], key=lambda trial: trial.both)
+    added = [name for name in best.effects if name not in pool.own]
+    if len(added) < 2:
+        return
+    for name in added:
+        model = best.model.without([name])
+        free = tuple(key for key in best.free if key[0] != name)
+        start = Trial(model, free, best.initial_hysteresis, best.fitted_rmse)
+        known = frozenset(best.effects) - pool.own - {name} in pool.tried
+        pool.add(refined(pool.evidence, start, POLISHED, 4 if known else 15))
+
+
+def _add_chosen(pool: Pool, names: Sequence[str]) -> None:
+    """Put effects that are read off, not fitted (a sensor's grid), behind the best explanations."""
+    pool.drop_refuted_grid()
+    leaders = [trial for size in range(1, MOST_EFFECTS) for trial in pool.best(size, BEAM)]
+    for name in (n for n in names if is_read_off(n) and frozenset([n]) in pool.tried):
+        for leader in leaders:
+            if name not in leader.effects:
+                pool.add(behind(pool.evidence, leader, name))

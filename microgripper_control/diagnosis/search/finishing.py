@@ -1,0 +1,42 @@
+"""A fit that goes on to the end, as far as its cost allows."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from microgripper_control.diagnosis.data.evidence import Evidence
+from microgripper_control.diagnosis.fits.fitting import fit_on, refine
+from microgripper_control.diagnosis.fits.trial import Trial, judged_once
+from microgripper_control.diagnosis.search.labour import is_dear
+from microgripper_control.diagnosis.search.stretches import MANY
+
+
+class Effort(NamedTuple):
+    """How far a round of a fit goes, and of what was left before it it must leave less to go on."""
+
+    tolerance: float
+    evaluations: int
+    worth_another: float
+
+
+POLISHED = 1e-5  # tolerance
+TO_THE_END, BRIEFLY = Effort(POLISHED, 20, 0.99), Effort(1e-3, 8, 0.9)
+MOST_ROUNDS = 3
+
+
+def refined(evidence: Evidence, trial: Trial, tolerance: float, evaluations: int) -> Trial:
+    """Fit on and judge what comes out; with a dear force in rounds, with fewer derivatives.
+
+    Those by the base parameters are taken once, or once a round. A dear force by itself, and few
+    samples, are fitted to the end: it bends while it is fitted, and gets there late.
+    """
+    if not is_dear(evidence, trial.model):
+        return refine(evidence, trial, tolerance, evaluations)
+    few = sum(len(recording) for recording in evidence.fitted) <= MANY
+    effort = TO_THE_END if few and len(trial.effects) == 1 else BRIEFLY
+    for _ in range(MOST_ROUNDS):
+        before = trial.fitted_rmse
+        trial = fit_on(evidence, trial, effort.tolerance, effort.evaluations, fresh=trial.effects)
+        if trial.fitted_rmse > effort.worth_another * before:
+            break
+    return judged_once(evidence, trial)

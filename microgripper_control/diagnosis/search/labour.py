@@ -1,0 +1,71 @@
+"""What a fit costs: how many rows of coefficients a sample takes.
+
+A force is balanced within each sample, many times where the mass rings or the way counts.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from microgripper_control.core.signals import ROWS
+from microgripper_control.diagnosis.data.evidence import Evidence
+from microgripper_control.diagnosis.fits.trial import Trial
+from microgripper_control.effects.registry import registry
+from microgripper_control.plant.chain import Chain
+from microgripper_control.plant.model import Model
+from microgripper_control.plant.simulate import Hold
+
+MOST_ROWS = 2e7  # of coefficients in a simulation with forces: what makes it longer does not join
+MANY_ROWS = 10  # of coefficients a sample: by place, and at rest at its end, a force takes five
+
+
+def is_light_with(evidence: Evidence, trial: Trial, effect: str) -> bool:
+    """Whether a trial's model with one more effect takes few rows of coefficients a sample."""
+    model = _with(evidence, trial, effect)
+    return model is None or _labour(evidence, model) <= MANY_ROWS
+
+
+def is_force(effect: str) -> bool:
+    """Whether an effect is a force, which is balanced within each sample."""
+    return registry()[effect].force is not None
+
+
+def is_dear(evidence: Evidence, model: Model) -> bool:
+    """Whether a model has forces that are balanced many times in each sample."""
+    return _labour_of_forces(evidence, model) > MANY_ROWS
+
+
+def is_dear_with(evidence: Evidence, trial: Trial, effect: str) -> bool:
+    """The same of a trial's model with one more effect, at its first start."""
+    model = _with(evidence, trial, effect)
+    return model is not None and is_dear(evidence, model)
+
+
+def may_join(evidence: Evidence, trial: Trial, effect: str) -> bool:
+    """Whether an effect may be added to a trial's: a dear force beside two would take minutes.
+
+    Beside one it may, unless forces are then balanced so often that one simulation takes a second.
+    """
+    model = _with(evidence, trial, effect)
+    labour = _labour_of_forces(evidence, model) if model is not None else 0
+    if labour <= MANY_ROWS:
+        return True
+    samples = sum(len(recording) for recording in evidence.fitted)
+    return len(trial.effects) < 2 and samples * labour <= MOST_ROWS
+
+
+def _with(evidence: Evidence, trial: Trial, effect: str) -> Model | None:
+    """A trial's model with one more effect, at its first start; None if that has none."""
+    starts = registry()[effect].starts(evidence.scales)
+    return trial.model.with_link(effect, **starts[0]) if starts else None
+
+
+def _labour_of_forces(evidence: Evidence, model: Model) -> int:
+    """Rows of coefficients a sample of a model with forces takes; 0 without any."""
+    return _labour(evidence, model) if any(map(is_force, model.effects)) else 0
+
+
+def _labour(evidence: Evidence, model: Model) -> int:
+    """Rows of coefficients a sample of a model takes."""
+    ramped = evidence.conditions.hold is not Hold.ZERO
+    return Chain(model, evidence.scales.sample_period, np.zeros(ROWS), ramped=ramped).labour

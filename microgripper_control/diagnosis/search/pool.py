@@ -1,0 +1,109 @@
+"""Everything that was tried, and what follows from all of it together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from microgripper_control.diagnosis.data.evidence import Evidence
+from microgripper_control.diagnosis.data.grid import noise_under, refuted, rounding
+from microgripper_control.diagnosis.data.noise import removable
+from microgripper_control.diagnosis.fits.credibility import incredible
+from microgripper_control.diagnosis.fits.trial import Trial
+from microgripper_control.effects.registry import registry
+
+UNEXPLAINED = 0.3  # of the noise floor: a structured rest above it asks for another effect,
+UNCLOSED = 0.1  # if it is more of the gap than a law leaves that is right but not the rig's own
+
+
+@dataclass
+class Pool:
+    """Everything that was tried, and the evidence the last fits were made on."""
+
+    evidence: Evidence
+    nominal: Trial
+    refit: Trial
+    tried: dict[frozenset[str], Trial] = field(default_factory=dict)
+    failures: dict[str, str] = field(default_factory=dict)  # effect: why it could not be tried
+
+    @property
+    def own(self) -> frozenset[str]:
+        """The effects that the nominal model has already."""
+        return frozenset(self.nominal.effects)
+
+    @property
+    def noise_floor(self) -> float:
+        """m: the innovation of whichever explanation leaves the least, rounding taken away.
+
+        What a law leaves at each step or turn of the voltage is new to the samples before, but it
+        is no noise: the median passes it over. On a grid coarser than the noise most readings bring
+        nothing new, and the median would pass over the noise as well.
+        """
+        trials = [self.nominal, self.refit, *self.tried.values()]
+        best = sorted(trials, key=lambda trial: trial.rmse)[:3]
+        usual = max(
+            min(trial.quietest for trial in best), rounding(self.evidence.scales.resolution)
+        )
+        if usual < self.step:
+            usual = np.inf
+        return noise_under(min(usual, *(trial.noise_floor for trial in best)), self.step)
+
+    @property
+    def step(self) -> float:
+        """m: of the grid that the readings lie on, if that was tried; 0 if not."""
+        grids = [(t, n) for added, t in self.tried.items() for n in added if is_read_off(n)]
+        return max((t.model.value(n, "resolution") for t, n in grids), default=0.0)
+
+    def add(self, trial: Trial) -> None:
+        """Keep a trial unless a better one of the same effects is there."""
+        effects = frozenset(trial.effects) - self.own
+        if not np.isfinite(trial.both):
+            self._failed(effects, "diverges on the samples that judge it")
+            return
+        if name := incredible(self.evidence, trial):
+            before = f"{name.replace('_', ' ')} from before the recordings"
+            self._failed(effects, f"{before} would have to do most of it")
+            return
+        known = self.tried.get(effects)
+        if effects and (known is None or trial.both < known.both):
+            self.tried[effects] = trial
+
+    def drop_refuted_grid(self) -> None:
+        """Forget a grid that some explanation follows the readings too closely for."""
+        chosen = [added for added in self.tried if any(is_read_off(name) for name in added)]
+        others = [t.fitted_rmse for added, t in self.tried.items() if added not in chosen]
+        readings = [recording.measured for recording in self.evidence.fitted]
+        if refuted(self.step, min(others, default=np.inf), readings):
+            for effects in chosen:
+                self._failed(effects, "the readings follow a model too closely")
+                del self.tried[effects]
+
+    def _failed(self, effects: frozenset[str], why: str) -> None:
+        self.failures["+".join(sorted(effects))] = why
+
+    def best(self, size: int, count: int) -> list[Trial]:
+        """The explanations with `size` effects that leave the least, best first."""
+        trials = [trial for effects, trial in self.tried.items() if len(effects) == size]
+        return sorted(trials, key=lambda trial: trial.both)[:count]
+
+    def closed(self, trial: Trial) -> float:
+        """The share of the gap, as an error, that an explanation closes."""
+        gap = removable(self.refit.both, self.noise_floor)
+        return 1.0 - removable(trial.both, self.noise_floor) / gap if gap > 0.0 else 0.0
+
+    def leaves_more(self, trial: Trial) -> bool:
+        """Whether an explanation leaves more than a right law would."""
+        floor = self.noise_floor
+        rest = removable(trial.both, floor)
+        return rest > max(UNEXPLAINED * floor, UNCLOSED * removable(self.refit.both, floor))
+
+    @property
+    def unexplained(self) -> bool:
+        """Whether even the best explanation by one effect, or a refit, leaves more than that."""
+        return self.leaves_more((self.best(1, 1) or [self.refit])[0])
+
+
+def is_read_off(effect: str) -> bool:
+    """Whether an effect is read off the recordings and not fitted."""
+    return registry()[effect].read_off

@@ -1,0 +1,69 @@
+"""What was explored, once more on settled evidence.
+
+The first periods have chosen where the fits go on from.
+"""
+
+from __future__ import annotations
+
+from microgripper_control.diagnosis.data.evidence import Evidence
+from microgripper_control.diagnosis.fits.fitting import Base, base_of, refine
+from microgripper_control.diagnosis.fits.trial import Trial, judged, unfitted
+from microgripper_control.diagnosis.search.attempt import ROUGH, STEPS, Scrutiny, attempt, polish
+from microgripper_control.diagnosis.search.finishing import POLISHED, refined
+from microgripper_control.diagnosis.search.labour import is_dear
+from microgripper_control.diagnosis.search.pool import Pool, is_read_off
+from microgripper_control.diagnosis.search.schedule import side_by_side
+from microgripper_control.diagnosis.search.stretches import PART
+
+LEADERS = 4  # explanations by one effect that are fitted again
+
+
+def again_if_settled(pool: Pool, jobs: int) -> Pool:
+    """The same on settled evidence, where that foretells the judging samples better.
+
+    The first periods have chosen where the fits go on from. They are kept if they are worth more
+    than they spoil: the first rise may be the only one of its kind.
+    """
+    evidence = pool.evidence.settled()
+    if evidence is pool.evidence:
+        return pool
+    settled = Pool(
+        evidence,
+        _as_it_was(evidence, pool.nominal),
+        refine(evidence, pool.refit, ROUGH, STEPS),
+        failures=pool.failures,
+    )
+    leaders = {
+        name: trial
+        for trial in pool.best(1, LEADERS)
+        for name in frozenset(trial.effects) - pool.own
+        if not is_read_off(name)
+    }
+    others = [trial for trial in pool.tried.values() if trial not in leaders.values()]
+    for trial in side_by_side(_as_it_was, [(evidence, trial) for trial in others], jobs):
+        settled.add(trial)
+    for trial in side_by_side(polish, [(evidence, trial) for trial in leaders.values()], jobs):
+        settled.add(trial)
+    # What the first period has led astray begins afresh, unless nothing is left to explain.
+    if settled.unexplained:
+        base = base_of(evidence, settled.refit)
+        tasks = [
+            (evidence, base, name)
+            for name, trial in leaders.items()
+            if not is_dear(evidence, trial.model)
+        ]
+        for trials in side_by_side(_afresh, tasks, jobs):
+            for trial in trials:
+                settled.add(trial)
+    return min(pool, settled, key=lambda one: min(t.rmse for t in (one.refit, *one.tried.values())))
+
+
+def _as_it_was(evidence: Evidence, trial: Trial) -> Trial:
+    """A trial judged with the same values on other evidence."""
+    return judged(evidence, unfitted(evidence, trial))
+
+
+def _afresh(evidence: Evidence, base: Base, name: str) -> list[Trial]:
+    """The best fit of an effect from first guesses, as it is and fitted on to the end."""
+    found = attempt(evidence, [base], name, Scrutiny(PART))[1]
+    return [] if found is None else [found, refined(evidence, found, POLISHED, 60)]

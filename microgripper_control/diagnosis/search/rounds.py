@@ -1,0 +1,148 @@
+"""One round of an exploration: each of some effects is added to an explanation.
+
+All are screened, the promising are fitted, the best of them to the end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+
+import numpy as np
+
+from microgripper_control.diagnosis.data.evidence import Evidence
+from microgripper_control.diagnosis.fits.fitting import Base
+from microgripper_control.diagnosis.fits.trial import Trial
+from microgripper_control.diagnosis.search.attempt import (
+    MOST_STARTS,
+    STARTS,
+    Scrutiny,
+    attempt,
+    polish,
+    promise,
+)
+from microgripper_control.diagnosis.search.labour import is_dear
+from microgripper_control.diagnosis.search.pool import Pool
+from microgripper_control.diagnosis.search.schedule import side_by_side
+from microgripper_control.diagnosis.search.stretches import GLANCE, PART
+from microgripper_control.effects.base import Scales, Values, no_courses
+from microgripper_control.effects.registry import registry
+
+RUNNERS_UP = 2  # of the promising: those that explain most by themselves,
+SHOWN = 2  # and those of which what is left shows a sign
+NEAR = 3.0  # times what the best leaves: what leaves less is fitted on, all derivatives fresh,
+NEARER = 2.0  # but not so far off if nothing is wanting,
+NEAR_IF_JOINED = 1.5  # or if it joins another and each sample is dear,
+FEW = 2  # and no more than so many of these, if they have helped at all by then
+
+Progress = Callable[[str, int, int], None]  # what is being tried, how many are done, of how many
+
+
+def silent(what: str, done: int, total: int) -> None:
+    """No progress shown."""
+
+
+def play(
+    evidence: Evidence,
+    bases: Sequence[Base],
+    names: Sequence[str],
+    most: int,
+    pool: Pool,
+    progress: Progress = silent,
+    jobs: int = -1,
+    shown: Collection[str] = (),
+) -> None:
+    """Add each of some effects to the bases: all are screened, the `most` promising are fitted.
+
+    `shown` are those of which the bases' residuals show a sign.
+    """
+    if most < len(names):
+        names = _promising(evidence, bases, names, shown, pool, jobs)[:most]
+    before = bases[0].trial
+    # What leaves nothing to explain cannot lose to another effect: a look at each is enough.
+    alone = before is pool.refit
+    wanting = alone and pool.unexplained
+    near = NEAR if wanting else NEAR_IF_JOINED
+    known = min((trial.fitted_rmse for trial in pool.tried.values()), default=np.inf)
+    scrutiny = Scrutiny(PART, known=known)
+    if not wanting:
+        starts = STARTS if alone else MOST_STARTS
+        scrutiny = Scrutiny(GLANCE, starts, near * known, known)
+    tasks = [
+        (evidence, bases, name, scrutiny._replace(alone=() if alone else _by_itself(name, pool)))
+        for name in _long_first(names, evidence.scales)
+    ]
+    found = []
+    progress("", 0, len(tasks))
+    for done, (name, trial, why) in enumerate(side_by_side(attempt, tasks, jobs), start=1):
+        progress(name, done, len(tasks))
+        if trial is not None:
+            found.append(trial)
+        else:
+            pool.failures[name] = why
+    for trial in found:
+        pool.add(trial)
+    # Far from the base its derivatives mislead: the best go on with fresh ones.
+    cheap = NEAR if wanting or not alone else NEARER
+    if pool.leaves_more(before) and (best := _going_on(evidence, before, found, cheap, near, pool)):
+        progress("the best of them", 0, 1)
+        for trial in side_by_side(polish, [(evidence, trial) for trial in best], jobs):
+            pool.add(trial)
+
+
+def _long_first(names: Sequence[str], scales: Scales) -> list[str]:
+    """The effects in about the order of how long they take, so that no core is left waiting.
+
+    Those with courses are projected off them anew at each step, others have many first guesses.
+    """
+    links = [registry()[name] for name in names]
+    links.sort(key=lambda link: (link.courses is no_courses, -len(link.starts(scales))))
+    return [link.name for link in links]
+
+
+def _promising(
+    evidence: Evidence,
+    bases: Sequence[Base],
+    names: Sequence[str],
+    shown: Collection[str],
+    pool: Pool,
+    jobs: int,
+) -> list[str]:
+    """The effects in the order in which they are worth a fit.
+
+    First those that are strong alone, and those that show: a glance may miss a narrow resonance.
+    """
+    looks = [(evidence, bases, name, _by_itself(name, pool)) for name in names]
+    left: Mapping[str, float] = dict(side_by_side(promise, looks, jobs))
+    alone = [name for trial in pool.best(1, len(pool.tried)) for name in trial.effects]
+    strong = [name for name in alone if name in left][:RUNNERS_UP]
+    first = {*strong, *sorted({*shown} & {*left}, key=lambda name: left[name])[:SHOWN]}
+    return sorted(left, key=lambda name: (name not in first, left[name]))
+
+
+def _by_itself(name: str, pool: Pool) -> list[Values]:
+    """The values that an effect had when it was tried alone."""
+    trial = pool.tried.get(frozenset([name]))
+    return [trial.model.values(name)] if trial is not None else []
+
+
+def _going_on(
+    evidence: Evidence,
+    before: Trial,
+    found: Sequence[Trial],
+    near: float,
+    near_if_dear: float,
+    pool: Pool,
+) -> list[Trial]:
+    """Those found that leave no more than `near` times the least."""
+    fits = [t for t in found if t.free != before.free and np.isfinite(t.fitted_rmse)]
+    others = [trial for trial in pool.tried.values() if len(trial.free) > len(before.free)]
+    least = min((trial.fitted_rmse for trial in (*fits, *others)), default=np.inf)
+    cheap: list[Trial] = []
+    dear: list[Trial] = []
+    for trial in sorted(fits, key=lambda trial: trial.fitted_rmse):
+        (dear if is_dear(evidence, trial.model) else cheap).append(trial)
+    limit = min(near_if_dear * least, before.fitted_rmse)
+    return [
+        *(trial for trial in cheap if trial.fitted_rmse < near * least),
+        *[trial for trial in dear if trial.fitted_rmse < limit][:FEW],
+    ]
