@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from microgripper_control.bench.row import Goal, at_most
-from microgripper_control.bench.timing import Spread, Times
+from microgripper_control.bench.timing import Spread
 from microgripper_control.core.signals import Array
 
 LINEAR: Goal = at_most(1.1)  # 1 is linear; the rest is what caches and noise may do
@@ -19,8 +19,3 @@ def exponent(sizes: Sequence[float], costs: Array) -> Spread:
     x -= x.mean()
     slopes = x @ np.log(costs) / (x @ x)
     return Spread.of(slopes)
-
-
-def stacked(times: Times, names: Sequence[str]) -> Array:
-    """The rounds of some contestants, shape (names, rounds)."""
-    return np.array([times.rounds[name] for name in names])

@@ -72,8 +72,13 @@ class Residual:
 
 def gap_power(residuals: Sequence[Residual], noise: float) -> float:
     """Mean square of the counted errors above the noise, m^2; `noise` in m."""
-    squares = np.concatenate([residual.error[residual.counted] ** 2 for residual in residuals])
-    return float(np.mean(squares)) - noise**2
+    counted = sum(int(np.count_nonzero(residual.counted)) for residual in residuals)
+    return gap_energy(residuals, noise) / counted
+
+
+def gap_energy(residuals: Sequence[Residual], noise: float) -> float:
+    """The same summed over the samples, m^2."""
+    return sum(float(np.sum(r.error[r.counted] ** 2 - noise**2)) for r in residuals)
 
 
 def residuals_of(evidence: Evidence, model: Model) -> tuple[list[Residual], list[Residual]]:

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from microgripper_control.core.signals import Array
-from microgripper_control.diagnosis.data.residuals import Residual, gap_power
+from microgripper_control.diagnosis.data.residuals import Residual, gap_energy, gap_power
 from microgripper_control.diagnosis.findings import Range
 from microgripper_control.diagnosis.signs.spectra import (
     PADDING,
@@ -211,7 +211,7 @@ def slow_share(residuals: Sequence[Residual], noise: float) -> float:
     A recording counts where a slow course leaves much less than a loop over the voltage. The course
     is fitted on all of its samples, as a block is shorter than what is looked for.
     """
-    gap = sum(float(np.sum(r.error[r.counted] ** 2 - noise**2)) for r in residuals)
+    gap = gap_energy(residuals, noise)
     taken = 0.0
     for residual in residuals:
         size = max(1, len(residual.error) // 1000)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from microgripper_control.core.signals import Array
-from microgripper_control.diagnosis.data.residuals import Residual, gap_power
+from microgripper_control.diagnosis.data.residuals import Residual, gap_energy, gap_power
 from microgripper_control.diagnosis.findings import Range
 from microgripper_control.diagnosis.signs.bands import bands
 from microgripper_control.diagnosis.signs.holds import growth_in_holds
@@ -236,7 +236,7 @@ def _growing(residuals: Sequence[Residual], noise: float) -> list[_Found]:
 def _slipped(residuals: Sequence[Residual], noise: float) -> list[_Found]:
     """From when on the error stands elsewhere, if it has jumped once and for all."""
     found = []
-    total = sum(float(np.sum(r.error[r.counted] ** 2 - noise**2)) for r in residuals)
+    total = gap_energy(residuals, noise)
     for residual in residuals:
         size = max(1, len(residual.error) // 400)
         error = residual.error[: len(residual.error) // size * size].reshape(-1, size).mean(axis=1)
