@@ -22,7 +22,7 @@ the library and leaves the share `unknown_rest` of the gap.
 
 The constants of `Weights` were fitted to cases of two rigs that share no code with the library (one
 is that of `validation/`, form a, seeds below 10000), and to the same cases with the right effect
-left out of the library; `docs/diagnosis.md` says how many.
+left out of the library; `docs/calibration.md` says which.
 """
 
 from __future__ import annotations
