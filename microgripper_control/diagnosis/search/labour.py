@@ -44,7 +44,7 @@ def is_dear_with(evidence: Evidence, trial: Trial, effect: str) -> bool:
 def may_join(evidence: Evidence, trial: Trial, effect: str) -> bool:
     """Whether an effect may be added to a trial's: a dear force beside two would take minutes.
 
-    Beside one it may, unless forces are then balanced so often that one simulation takes half a second.
+    Beside one it may, unless a simulation then takes half a second, so often are they balanced.
     """
     model = _with(evidence, trial, effect)
     labour = _labour_of_forces(evidence, model) if model is not None else 0
