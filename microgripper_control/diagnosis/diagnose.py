@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.diagnosis.answers import answer
+from microgripper_control.diagnosis.answers.answer import Weighed
 from microgripper_control.diagnosis.answers.sentence import sentence
 from microgripper_control.diagnosis.answers.shrinkage import closed_fraction, closed_interval
 from microgripper_control.diagnosis.answers.weighing import Facts, weigh
@@ -13,7 +15,15 @@ from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.data.readings import reading_warnings
 from microgripper_control.diagnosis.data.residuals import residuals_of
 from microgripper_control.diagnosis.experiments.experiment import next_experiment
-from microgripper_control.diagnosis.findings import EFFECTS, NONE, Diagnosis, Gap, Judged
+from microgripper_control.diagnosis.findings import (
+    EFFECTS,
+    NONE,
+    Diagnosis,
+    Gap,
+    Judged,
+    NextExperiment,
+    Signature,
+)
 from microgripper_control.diagnosis.fits.fitting import FINE
 from microgripper_control.diagnosis.fits.hold_check import hold_warnings
 from microgripper_control.diagnosis.fits.identified_model import identified
@@ -38,6 +48,28 @@ def candidate_names() -> list[str]:
     return [name for name, link in registry().items() if link.starts is not no_starts]
 
 
+@dataclass(frozen=True)
+class _Explored:
+    """What was tried, and on which evidence; `lean` is as much of the whole as is compared."""
+
+    whole: Evidence
+    lean: Evidence
+    nominal: Trial
+    pool: Pool
+    warnings: Sequence[str]
+
+
+@dataclass(frozen=True)
+class _Answer:
+    """The verdict, and the trial and the model that it stands for."""
+
+    weighed: Weighed
+    verdict: str
+    effects: tuple[str, ...]
+    best: Trial
+    model: Model
+
+
 def diagnose(
     nominal: Model,
     recordings: Sequence[Recording],
@@ -53,57 +85,65 @@ def diagnose(
     nothing.
     """
     whole = Evidence.gather(recordings, heldout, conditions or Conditions(), nominal)
-    warnings = [line for r in (*recordings, *heldout) for line in reading_warnings(r)]
-    lean, before, refits = _without_effects(whole)
-    if unseen_gap(whole, refits[0]):
-        warnings.append(unseen_warning(refits[0]))
-        whole = whole.joined()
-        lean, before, refits = _without_effects(whole)
+    readings = [line for r in (*recordings, *heldout) for line in reading_warnings(r)]
     left_out = {*nominal.effects, *without}
     names = [name for name in candidate_names() if name not in left_out]
-    pool = explore(lean, before, refits, names, progress, jobs)
-    evidence, refit = pool.evidence, pool.refit
+    explored = _explored(whole, names, progress, jobs)
     progress("where the gap lies", 0, 1)
-    fitted, judging = residuals_of(evidence, refit.model)
+    pool = explored.pool
+    fitted, judging = residuals_of(pool.evidence, pool.refit.model)
     signs = signatures([*judging, *fitted], pool.noise_floor)
-    weighed = weigh(Facts.of(pool, signs))
-    verdict = answer.verdict(weighed, pool)
-    effects: tuple[str, ...] = ()
-    best = before if verdict == NONE else refit
-    if verdict == EFFECTS:
-        effects = answer.by_importance(answer.chosen(weighed, pool), pool)
-        best = refined(evidence, pool.tried[frozenset(effects)], FINE, 20)
-        pool.add(best)  # what is said of it below, and of the noise, is said of this last fit
-    model = nominal if verdict == NONE else identified(evidence, best)
-    found = answer.candidates(weighed, pool, names, signs, model)
-    before, refit, best = (on_all(whole, lean, trial) for trial in (before, refit, best))
+    given = _answer(explored, signs)
+    found = answer.candidates(given.weighed, pool, names, signs, given.model)
+    before, refit, best = (
+        on_all(explored.whole, explored.lean, trial)
+        for trial in (explored.nominal, pool.refit, given.best)
+    )
     free_form = explainable(fitted, judging, pool.noise_floor)
-    gap = _gap(whole, pool.noise_floor, before, refit, best, free_form)
+    gap = _gap(explored.whole, pool.noise_floor, before, refit, best, free_form)
     where = tuple(locate([*judging, *fitted], pool.noise_floor))
-    groups = answer.ambiguous(weighed, pool) if verdict == EFFECTS else ()
-    rivals = [trial.model for trial in answer.rivals(weighed, pool)]
+    groups = answer.ambiguous(given.weighed, pool) if given.verdict == EFFECTS else ()
+    told = sentence(
+        given.verdict,
+        given.effects,
+        gap,
+        nominal,
+        given.model,
+        found,
+        where,
+        pool.evidence.scales,
+        groups,
+    )
     return Diagnosis(
-        verdict=verdict,
-        sentence=sentence(
-            verdict, effects, gap, nominal, model, found, where, evidence.scales, groups
-        ),
-        effects=effects,
+        verdict=given.verdict,
+        sentence=told,
+        effects=given.effects,
         candidates=found,
         stages=answer.stages(found),
         gap=gap,
         where=where,
         ambiguous=groups,
-        next_experiment=next_experiment(
-            rivals, evidence.fitted[0], evidence.conditions, pool.noise_floor
-        ),
+        next_experiment=_next(given.weighed, pool),
         nominal=nominal,
         refit=refit.model,
-        model=model,
-        conditions=evidence.conditions,
-        judged=_judged(whole, before, refit, best),
-        shares=_shares(pool, effects, best),
-        warnings=(*warnings, *hold_warnings(evidence, refit)),
+        model=given.model,
+        conditions=pool.evidence.conditions,
+        judged=_judged(explored.whole, before, refit, best),
+        shares=_shares(pool, given.effects, best),
+        warnings=(*readings, *explored.warnings, *hold_warnings(pool.evidence, refit)),
     )
+
+
+def _explored(whole: Evidence, names: Sequence[str], progress: Progress, jobs: int) -> _Explored:
+    """Try the effects; a gap that only the held-out recordings show is fitted on half of them."""
+    warnings: list[str] = []
+    lean, before, refitted = _without_effects(whole)
+    if unseen_gap(whole, refitted[0]):
+        warnings.append(unseen_warning(refitted[0]))
+        whole = whole.joined()
+        lean, before, refitted = _without_effects(whole)
+    pool = explore(lean, before, refitted, names, progress, jobs)
+    return _Explored(whole, lean, before, pool, warnings)
 
 
 def _without_effects(whole: Evidence) -> tuple[Evidence, Trial, Sequence[Trial]]:
@@ -111,6 +151,29 @@ def _without_effects(whole: Evidence) -> tuple[Evidence, Trial, Sequence[Trial]]
     lean = whole.lean()
     before = nominal_trial(lean, whole.nominal)
     return lean, before, refits(lean, before)
+
+
+def _answer(explored: _Explored, signs: Sequence[Signature]) -> _Answer:
+    """What is most probable; the effects of an answer are fitted to the end."""
+    pool = explored.pool
+    weighed = weigh(Facts.of(pool, signs))
+    verdict = answer.verdict(weighed, pool)
+    if verdict == NONE:
+        return _Answer(weighed, verdict, (), explored.nominal, explored.whole.nominal)
+    effects: tuple[str, ...] = ()
+    best = pool.refit
+    if verdict == EFFECTS:
+        effects = answer.by_importance(answer.chosen(weighed, pool), pool)
+        best = refined(pool.evidence, pool.tried[frozenset(effects)], FINE, 20)
+        pool.add(best)  # what is said of it, and of the noise, is said of this last fit
+    return _Answer(weighed, verdict, effects, best, identified(pool.evidence, best))
+
+
+def _next(weighed: Weighed, pool: Pool) -> NextExperiment | None:
+    """The experiment that would best tell the most probable explanations apart."""
+    rivals = [trial.model for trial in answer.rivals(weighed, pool)]
+    evidence = pool.evidence
+    return next_experiment(rivals, evidence.fitted[0], evidence.conditions, pool.noise_floor)
 
 
 def on_all(whole: Evidence, lean: Evidence, trial: Trial) -> Trial:

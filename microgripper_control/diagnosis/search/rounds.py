@@ -6,6 +6,7 @@ All are screened, the promising are fitted, the best of them to the end.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -34,6 +35,14 @@ NEARER = 2.0  # but not so far off if nothing is wanting,
 NEAR_IF_JOINED = 1.5  # or if it joins another and each sample is dear,
 FEW = 2  # and no more than so many of these, if they have helped at all by then
 
+
+class Near(NamedTuple):
+    """How many times as much as the best a fit may leave and be gone on with."""
+
+    cheap: float
+    dear: float
+
+
 Progress = Callable[[str, int, int], None]  # what is being tried, how many are done, of how many
 
 
@@ -61,12 +70,14 @@ def play(
     # What leaves nothing to explain cannot lose to another effect: a look at each is enough.
     alone = before is pool.refit
     wanting = alone and pool.unexplained
-    near = NEAR if wanting else NEAR_IF_JOINED
+    near = Near(
+        cheap=NEAR if wanting or not alone else NEARER, dear=NEAR if wanting else NEAR_IF_JOINED
+    )
     known = min((trial.fitted_rmse for trial in pool.tried.values()), default=np.inf)
     scrutiny = Scrutiny(PART, known=known)
     if not wanting:
         starts = STARTS if alone else MOST_STARTS
-        scrutiny = Scrutiny(GLANCE, starts, near * known, known)
+        scrutiny = Scrutiny(GLANCE, starts, near.dear * known, known)
     tasks = [
         (evidence, bases, name, scrutiny._replace(alone=() if alone else _by_itself(name, pool)))
         for name in _long_first(names, evidence.scales)
@@ -82,8 +93,7 @@ def play(
     for trial in found:
         pool.add(trial)
     # Far from the base its derivatives mislead: the best go on with fresh ones.
-    cheap = NEAR if wanting or not alone else NEARER
-    if pool.leaves_more(before) and (best := _going_on(evidence, before, found, cheap, near, pool)):
+    if pool.leaves_more(before) and (best := _going_on(evidence, before, found, near, pool)):
         progress("the best of them", 0, 1)
         for trial in side_by_side(polish, [(evidence, trial) for trial in best], jobs):
             pool.add(trial)
@@ -126,14 +136,9 @@ def _by_itself(name: str, pool: Pool) -> list[Values]:
 
 
 def _going_on(
-    evidence: Evidence,
-    before: Trial,
-    found: Sequence[Trial],
-    near: float,
-    near_if_dear: float,
-    pool: Pool,
+    evidence: Evidence, before: Trial, found: Sequence[Trial], near: Near, pool: Pool
 ) -> list[Trial]:
-    """Those found that leave no more than `near` times the least."""
+    """Those found that leave no more than so many times the least."""
     fits = [t for t in found if t.free != before.free and np.isfinite(t.fitted_rmse)]
     others = [trial for trial in pool.tried.values() if len(trial.free) > len(before.free)]
     least = min((trial.fitted_rmse for trial in (*fits, *others)), default=np.inf)
@@ -141,8 +146,8 @@ def _going_on(
     dear: list[Trial] = []
     for trial in sorted(fits, key=lambda trial: trial.fitted_rmse):
         (dear if is_dear(evidence, trial.model) else cheap).append(trial)
-    limit = min(near_if_dear * least, before.fitted_rmse)
+    limit = min(near.dear * least, before.fitted_rmse)
     return [
-        *(trial for trial in cheap if trial.fitted_rmse < near * least),
+        *(trial for trial in cheap if trial.fitted_rmse < near.cheap * least),
         *[trial for trial in dear if trial.fitted_rmse < limit][:FEW],
     ]
