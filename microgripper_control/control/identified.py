@@ -39,6 +39,7 @@ class Identified:
     k: float  # N/m
     k_s: float  # N/m
     voltage_range: tuple[float, float]  # V, for which these values hold
+    dead_time: float = 0.0  # s by which the reading is behind the command, besides the mechanics
 
     def __post_init__(self) -> None:
         for link in (bouc_wen.LINK, second_order.LINK):
@@ -49,14 +50,22 @@ class Identified:
             raise MicrogripperError(
                 f"identified: voltage range {low:g} .. {high:g} V: low must be below high"
             )
+        if not (math.isfinite(self.dead_time) and self.dead_time >= 0.0):
+            raise MicrogripperError(
+                f"identified: dead time {self.dead_time:g} s: must be 0 or more"
+            )
 
     @classmethod
     def from_values(
-        cls, material: Values, mechanics: Values, voltage_range: tuple[float, float]
+        cls,
+        material: Values,
+        mechanics: Values,
+        voltage_range: tuple[float, float],
+        dead_time: float = 0.0,
     ) -> Identified:
         """Make one of the values of the links `bouc_wen` and `second_order`, by parameter name."""
         chosen = _chosen(bouc_wen.LINK, material) | _chosen(second_order.LINK, mechanics)
-        return cls(**chosen, voltage_range=voltage_range)
+        return cls(**chosen, voltage_range=voltage_range, dead_time=dead_time)
 
     @cached_property
     def a(self) -> float:

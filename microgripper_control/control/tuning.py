@@ -1,8 +1,9 @@
 """Default PID gains by a stated rule, and the margins that any gains leave.
 
 The loop, sampled: PID, one tick until the answer is applied, and the mechanics under a zero-order
-hold, which shows at the next tick. For a plant that settles within a sample the loop gain of pure
-integral action is g / (z (z - 1)) with g = K ki T.
+hold, which shows at the next tick; then the delays and lags of drive and sensor, as one dead time
+of whole ticks. For a plant that settles within a sample the loop gain of pure integral action is
+g / (z^(1 + N) (z - 1)) with g = K ki T and N ticks of dead time.
 """
 
 from __future__ import annotations
@@ -20,12 +21,13 @@ from microgripper_control.core.signals import Array
 
 # Skogestad's SIMC rule (J. Process Control 13, 2003) for a static plant with dead time theta: pure
 # integral action, K ki = 1 / (2 theta). A sampled integrator takes effect half a sample late and
-# the answer one sample: theta = 1.5 T, so g = 1/3.
-SIMC_GAIN = 1.0 / 3.0
+# the answer one sample: theta = 1.5 T and the dead time.
+SAMPLES_LATE = 1.5
 GAIN_ERROR = 1.2  # the plant's gain may be this much larger than identified
 LEAST_GAIN_MARGIN = 2.0
 LEAST_PHASE_MARGIN = 45.0  # degrees
 MOST_REDUCTIONS = 150  # of the gain, to 1e-7 of the rule's
+WHOLE = 1e-6  # of a tick: a dead time that is so little longer is none longer
 FREQUENCIES = 20_000  # from zero to half the sampling rate
 
 
@@ -41,11 +43,12 @@ def default_gains(identified: Identified, sample_period: float) -> PidGains:
     """Integral gain by the SIMC rule, lowered until the margins hold.
 
     A piezo settles within a sample, so that proportional and derivative action have nothing to
-    act on and only pass noise. Where it does not settle, a resonance limits ki. The margins, 2 and
-    45 degrees, hold also for a plant whose gain is 20 % higher than identified. Raises
-    MicrogripperError where nothing damps the resonance.
+    act on and only pass noise. Where it does not settle, a resonance limits ki; where it answers
+    late, its dead time does. The margins, 2 and 45 degrees, hold also for a plant whose gain is
+    20 % higher than identified. Raises MicrogripperError where nothing damps the resonance.
     """
-    ki = SIMC_GAIN / (identified.gain * sample_period)
+    late = SAMPLES_LATE * sample_period + identified.dead_time
+    ki = 1.0 / (2.0 * late * identified.gain)
     for _ in range(MOST_REDUCTIONS):
         gains = PidGains(kp=0.0, ki=ki, kd=0.0)
         margins = loop_margins(identified, gains, sample_period, GAIN_ERROR)
@@ -76,7 +79,7 @@ def loop_margins(
 
 
 def _loop(identified: Identified, gains: PidGains, sample_period: float) -> tuple[Array, Array]:
-    """Numerator and denominator of the loop in z: PID, delay of one tick, sampled mechanics."""
+    """Numerator and denominator of the loop in z: PID, one tick and the dead time, mechanics."""
     plant, plant_poles = _sampled_mechanics(identified, sample_period)
     lag = gains.derivative_filter
     filtered = np.array([lag + sample_period, -lag])
@@ -85,7 +88,8 @@ def _loop(identified: Identified, gains: PidGains, sample_period: float) -> tupl
         np.polymul([gains.kp + gains.ki * sample_period, -gains.kp], filtered),
         gains.kd * np.polymul(integrated, integrated),
     )
-    late = np.array([1.0, 0.0])
+    ticks = 1 + math.ceil(identified.dead_time / sample_period - WHOLE)
+    late = np.append(1.0, np.zeros(ticks))
     above = np.polymul(controller, plant)
     below = np.polymul(np.polymul(np.polymul(integrated, filtered), late), plant_poles)
     return np.asarray(above, np.float64), np.asarray(below, np.float64)

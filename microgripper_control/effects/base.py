@@ -129,6 +129,15 @@ def always_credible(values: Values, course: Array, scales: Scales) -> bool:
     return True
 
 
+# behind(values): s by which what leaves the link is behind a slow ramp of what enters it.
+Behind = Callable[[Values], float]
+
+
+def never_behind(values: Values) -> float:
+    """A link that answers at once, as far as a controller is concerned."""
+    return 0.0
+
+
 # says(values, scales): what a technician sees of the effect, a clause in small letters with numbers
 # in practical units. Of a link whose size belongs to each recording, the size is left out.
 Says = Callable[[Values, Scales], str]
@@ -243,6 +252,7 @@ class Link:
     plausible: Plausible = as_declared
     unusual: Unusual = never_unusual
     idle: Idle = none_idle
+    behind: Behind = never_behind
     says: Says | None = None  # the title does without
     nominal: bool = False  # part of the paper's plant, always there
     follows: bool = False  # the course between the samples matters to it

@@ -134,10 +134,10 @@ class ControllerSettings:
 
 
 def load_identified(model_file: str) -> Identified:
-    """The values that a controller needs of the model in a file."""
+    """The values that a controller needs of the model in a file, its delays and lags included."""
     model = load_model(model_path(model_file))
     material, mechanics = model.values("bouc_wen"), model.values("second_order")
-    return Identified.from_values(material, mechanics, model.voltage_range)
+    return Identified.from_values(material, mechanics, model.voltage_range, model.dead_time)
 
 
 def declare(node: Node) -> None:

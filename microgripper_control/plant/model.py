@@ -110,6 +110,11 @@ class Model:
             f"{found.safe_span:.1f} V; narrow the range or identify them again",
         )
 
+    @property
+    def dead_time(self) -> float:
+        """S by which its effects let the reading be behind the command, all delays and lags."""
+        return sum(registry()[link].behind(self.values(link)) for link in self.settings)
+
     def values(self, link: str) -> dict[str, float]:
         """The plain numbers of one link."""
         return {name: setting.value for name, setting in self.settings[link].items()}

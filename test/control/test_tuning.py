@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,9 +15,11 @@ from microgripper_control.control.tuning import default_gains, loop_margins
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.signals import Array
 from microgripper_control.plant.model import Model
+from microgripper_control.plant.model_file import load_model
 from microgripper_control.plant.simulate import Plant
 
 T = 1e-3
+DATASHEET = Path(__file__).parents[2] / "config" / "apa120s_datasheet.yaml"
 
 
 def test_margins_of_integral_action_on_a_settled_plant_have_a_closed_form(
@@ -27,6 +30,32 @@ def test_margins_of_integral_action_on_a_settled_plant_have_a_closed_form(
         assert margins.gain == pytest.approx(1.0 / g, rel=1e-5)
         phase = 90.0 - math.degrees(3.0 * math.asin(0.5 * g))
         assert margins.phase == pytest.approx(phase, abs=1e-3)
+
+
+@pytest.mark.parametrize("ticks", [1, 3, 20])
+def test_a_dead_time_costs_the_margins_that_it_should(identified: Identified, ticks: int) -> None:
+    """L = g / (z^d (z - 1)) with d = 1 + ticks: unstable from g = 2 sin(pi / (4 d + 2)) on."""
+    late = replace(identified, dead_time=ticks * T)
+    d, g = 1 + ticks, 0.04
+    margins = loop_margins(late, PidGains(ki=g / (late.gain * T)), T)
+    assert margins.gain == pytest.approx(2.0 * math.sin(math.pi / (4 * d + 2)) / g, rel=1e-4)
+    phase = 90.0 - math.degrees((2 * d + 1) * math.asin(0.5 * g))
+    assert margins.phase == pytest.approx(phase, abs=1e-3)
+
+
+@pytest.mark.parametrize("rate", [1e3, 2e3, 5e3, 20e3])
+def test_a_rig_that_answers_late_is_not_driven_into_swinging(rate: float) -> None:
+    """The maker's figures: a sensor that lags by 2.7 ms, and a resonance at 1.3 kHz."""
+    rig = load_model(DATASHEET)
+    assert rig.dead_time > 2e-3
+    values = Identified.from_values(
+        rig.values("bouc_wen"), rig.values("second_order"), rig.voltage_range, rig.dead_time
+    )
+    gains = default_gains(values, 1.0 / rate)
+    x = _step_response(rig, gains, 1.0 / rate, int(rate))
+    assert np.ptp(x[-int(rate / 4) :]) < 0.02e-6
+    deaf = default_gains(replace(values, dead_time=0.0), 1.0 / rate)
+    assert (loop_margins(values, deaf, 1.0 / rate).gain == 0.0) is (rate > 1e3)
 
 
 def test_margins_of_proportional_action_on_a_settled_plant_have_a_closed_form(

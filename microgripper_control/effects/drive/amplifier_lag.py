@@ -90,6 +90,11 @@ def starts(scales: Scales) -> Sequence[Values]:
     return [*({"lag": lag} for lag in lags), *({"lag": lag, **equal} for lag in lags[1:])]
 
 
+def behind(values: Values) -> float:
+    """The lag is defined as that."""
+    return values["lag"]
+
+
 def says(values: Values, scales: Scales) -> str:
     which = "third" if values["third"] > 0.0 else order(values["curvature"])
     late = quantity(values["lag"], "s")
@@ -112,5 +117,6 @@ LINK = Link(
     breaks=breaks,
     idle=idle,
     starts=starts,
+    behind=behind,
     says=says,
 )

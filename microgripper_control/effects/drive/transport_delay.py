@@ -87,6 +87,11 @@ def starts(scales: Scales) -> Sequence[Values]:
     return found
 
 
+def behind(values: Values) -> float:
+    """The delay, and the half of a cycle that a reading of the sensor's clock is old on average."""
+    return values["delay"] + 0.5 * values["clock"]
+
+
 def says(values: Values, scales: Scales) -> str:
     return (
         f"the rig answers late: there is a delay of {quantity(values['delay'], 's')}"
@@ -109,5 +114,6 @@ LINK = Link(
     jumps=jumps,
     clocked=True,
     starts=starts,
+    behind=behind,
     says=says,
 )

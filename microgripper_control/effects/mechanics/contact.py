@@ -31,6 +31,8 @@ REFERENCE = 1e-6  # m, r above
 BESIDE = 0.1  # of the stroke: what the nominal model may be wrong about where it ends
 MOST_DAMPING = 100.0  # s/m; metals have 0.1 to 0.3, and much lets go whenever the finger turns
 SHOWN = 0.05  # of the force: relaxation below that is not spoken of
+TOUCHED = 0.5  # of the stroke: what is touched over more is rather a spring of the rig,
+ALWAYS = 0.75  # and over so much it is one
 HARDEST = 2.5  # times the force at rest: the beginning of an impact from which nothing springs back
 
 
@@ -107,6 +109,15 @@ def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
     }
 
 
+def unusual(values: Values, scales: Scales) -> float:
+    """An object is met on the way; what pushes back over most of the stroke is a spring."""
+    if scales.stroke <= 0.0:
+        return 0.0
+    way = values["position"] - scales.position[0]
+    touched = (scales.stroke - way if values["side"] >= 0.0 else way) / scales.stroke
+    return min(1.0, max(0.0, (touched - TOUCHED) / (ALWAYS - TOUCHED)))
+
+
 def says(values: Values, scales: Scales) -> str:
     way = "beyond" if values["side"] >= 0.0 else "below"
     where, push = quantity(values["position"], "m", 3), number(1e-6 * values["stiffness"])
@@ -152,5 +163,6 @@ LINK = Link(
     starts=starts,
     idle=idle,
     plausible=plausible,
+    unusual=unusual,
     says=says,
 )

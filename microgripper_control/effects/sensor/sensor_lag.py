@@ -141,6 +141,11 @@ def starts(scales: Scales) -> Sequence[Values]:
     return found
 
 
+def behind(values: Values) -> float:
+    """Half of what is averaged over, the filter's lag, and half a cycle of the sensor's clock."""
+    return 0.5 * values["averaging"] + values["time_constant"] + 0.5 * values["clock"]
+
+
 def says(values: Values, scales: Scales) -> str:
     filtered = f" ({order(values['curvature'])} order)"
     parts = (
@@ -174,6 +179,7 @@ LINK = Link(
     follows=True,
     clocked=True,
     idle=idle,
+    behind=behind,
     starts=starts,
     says=says,
 )
