@@ -20,6 +20,7 @@ from microgripper_control.cli.options import (
     ModelOption,
     read_all,
     read_model,
+    refuse_twice,
 )
 from microgripper_control.cli.tables import print_table
 from microgripper_control.core.errors import MicrogripperError
@@ -84,8 +85,9 @@ def diagnose(
         )
     left_out = [link_named(name, "--without").name for name in without or []]
     nominal = read_model(model)
-    given, kept_apart = read_all(recordings, maps), read_all(judging, maps)
     make_folder(out)
+    given, kept_apart = read_all(recordings, nominal, maps), read_all(judging, nominal, maps)
+    refuse_twice([*given, *kept_apart])
     with cluster(scheduler), _progress() as on_progress:
         found = find_causes(
             nominal, given, kept_apart, Conditions(hold, initial), on_progress, jobs, left_out
@@ -106,9 +108,10 @@ def diagnose(
 
 def write_files(found: Diagnosis, folder: Path, maps: Sequence[str] = ()) -> None:
     """Write the model, the result and the report into a folder; `maps` as in the command line."""
+    (folder / RESULT).unlink(missing_ok=True)  # it is written last: with it, all is there
     save_model(found.model, folder / MODEL)
-    write_result(found, folder)
     write_diagnosis_report(found, folder / REPORT, maps)
+    write_result(found, folder)
 
 
 def show(found: Diagnosis, console: Console) -> None:
@@ -137,8 +140,10 @@ def spread_heldout(arguments: Sequence[str]) -> list[str]:
     spread: list[str] = []
     within = False
     for argument in arguments:
-        if argument == HELDOUT:
+        if argument == HELDOUT or argument.startswith(f"{HELDOUT}="):
             within = True
+            if argument != HELDOUT:
+                spread += argument.split("=", 1)
             continue
         if argument.startswith("-"):
             within = False

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import typer
 
-from microgripper_control.core.errors import one_line
+from microgripper_control.core.errors import MicrogripperError, one_line
 from microgripper_control.core.recording import Recording
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.model_file import load_model
@@ -45,14 +47,33 @@ def read_model(path: Path) -> Model:
 
 
 def read_all(
-    paths: list[Path], maps: list[str] | None, needs_displacement: bool = True
+    paths: list[Path], model: Model, maps: list[str] | None, needs_displacement: bool = True
 ) -> list[Recording]:
-    """Read recordings; what was mended is said on standard error."""
+    """Read recordings; what was mended, or the model does not hold for, goes to standard error."""
     mapping = Mapping.parse(maps or [])
     recordings = []
     for path in paths:
         recording = read_recording(path, mapping, needs_displacement=needs_displacement)
-        for warning in recording.warnings:
+        beyond = model.beyond(recording.voltage)
+        for warning in (*recording.warnings, *([beyond] if beyond else [])):
             typer.echo(f"warning: {one_line(f'{recording.name}: {warning}')}", err=True)
         recordings.append(recording)
     return recordings
+
+
+def refuse_overwriting(out: Path, given: Sequence[Path]) -> None:
+    """Raise MicrogripperError where the result would take the place of what it is made from."""
+    if any(out.resolve() == path.resolve() for path in given):
+        raise MicrogripperError(f"--out {out}: would overwrite what is read; give another name")
+
+
+def refuse_twice(recordings: Sequence[Recording]) -> None:
+    """Raise MicrogripperError where two recordings are one: it would count twice."""
+    for i, one in enumerate(recordings):
+        for other in recordings[:i]:
+            if np.array_equal(one.voltage, other.voltage) and np.array_equal(
+                one.measured, other.measured
+            ):
+                raise MicrogripperError(
+                    f"{one.name}: has the same samples as {other.name}; give it once"
+                )

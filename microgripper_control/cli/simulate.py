@@ -18,13 +18,15 @@ from microgripper_control.cli.options import (
     ModelOption,
     read_all,
     read_model,
+    refuse_overwriting,
 )
-from microgripper_control.core.files import written_whole
+from microgripper_control.core.files import check_place, written_whole
 from microgripper_control.identification.nuisance import (
     Conditions,
     Nuisance,
     heldout_prediction,
     predict,
+    refuse_divergence,
 )
 from microgripper_control.plant.simulate import Hold, Initial
 
@@ -54,22 +56,26 @@ def simulate(
 ) -> None:
     """Predict a recording's displacement with a model; one row per sample."""
     rig = read_model(model)
-    given = read_all([recording], maps, needs_displacement=False)[0]
+    refuse_overwriting(out, [recording, model])
+    check_place(out)
+    given = read_all([recording], rig, maps, needs_displacement=False)[0]
     conditions = Conditions(hold, initial)
     counted = np.ones(len(given), bool)
     if given.displacement is not None and nuisance is NuisanceFit.FIT:
         prediction, counted = heldout_prediction(rig, given, conditions)
     else:
         prediction = predict(rig, given, conditions, Nuisance())
+    refuse_divergence(given, prediction)
+    read = given.present  # one row for each sample that was recorded, none for those filled in
     with written_whole(out) as file:
         file.write("time_s,displacement_m\n")
-        for time, value in zip(given.time, prediction, strict=True):
+        for time, value in zip(given.time[read], prediction[read], strict=True):
             file.write(f"{time:.9f},{float(value)!r}\n")
     summary = _summary(given.displacement, prediction, counted)
     if json_:
         typer.echo(json.dumps({"recording": given.name, "predicted": str(out), **summary}))
         return
-    typer.echo(f"{len(given)} samples predicted: {out}")
+    typer.echo(f"{np.count_nonzero(read)} samples predicted: {out}")
     if summary:
         typer.echo(
             f"error {1e9 * summary['rmse_m']:.1f} nm rms, "

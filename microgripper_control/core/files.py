@@ -13,13 +13,26 @@ from microgripper_control.core.errors import MicrogripperError
 
 
 def make_folder(path: str | Path) -> Path:
-    """Make a folder, with those above it, if it is not there; MicrogripperError if that fails."""
+    """Make a folder, with those above it, if it is not there.
+
+    MicrogripperError if that fails or nothing can be written into it.
+    """
     path = Path(path)
     try:
         path.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=path):
+            pass
     except OSError as error:
-        raise MicrogripperError(f"{path}: cannot be made: {error.strerror}") from None
+        raise MicrogripperError(f"{path}: cannot be made or written: {error.strerror}") from None
     return path
+
+
+def check_place(path: str | Path) -> None:
+    """Make the folder of a file to be written; MicrogripperError if it cannot take that name."""
+    path = Path(path)
+    make_folder(path.parent)
+    if path.is_dir():
+        raise MicrogripperError(f"{path}: is a folder; give the name of a file")
 
 
 @contextmanager

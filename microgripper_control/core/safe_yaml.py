@@ -21,11 +21,32 @@ def load_yaml(text: str) -> object:
         _refuse_what_explodes(text)
         loader = LOADER(text)
         try:
-            return loader.get_single_data()
+            node = loader.get_single_node()
+            if node is None:
+                return None
+            _refuse_what_is_given_twice(node)
+            return loader.construct_document(node)
         finally:
             loader.dispose()
     except (yaml.YAMLError, ValueError, TypeError, OverflowError) as error:
         raise ValueError(" ".join(str(error).split())) from None
+
+
+def _refuse_what_is_given_twice(node: yaml.Node) -> None:
+    """PyYAML keeps the last of two values in silence."""
+    children = [node]
+    while children:
+        one = children.pop()
+        if isinstance(one, yaml.MappingNode):
+            seen = set()
+            for key, value in one.value:
+                children.append(value)
+                if isinstance(key, yaml.ScalarNode) and key.value in seen:
+                    line = key.start_mark.line + 1 if key.start_mark else 1
+                    raise ValueError(f"line {line}: {key.value!r} is given twice; remove one")
+                seen.add(key.value if isinstance(key, yaml.ScalarNode) else id(key))
+        elif isinstance(one, yaml.SequenceNode):
+            children += one.value
 
 
 def _refuse_what_explodes(text: str) -> None:

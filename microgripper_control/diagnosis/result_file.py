@@ -41,6 +41,8 @@ def as_json(found: Diagnosis, folder: Path) -> dict[str, Any]:
 
 def write_result(found: Diagnosis, folder: Path) -> None:
     """Write `diagnosis.json` and the next experiment's voltage into a folder."""
+    # A voltage that answered another question must not be taken for this one's.
+    (folder / NEXT_EXPERIMENT).unlink(missing_ok=True)
     if found.next_experiment:
         _write_voltage(found.next_experiment, folder / NEXT_EXPERIMENT)
     with written_whole(folder / RESULT) as file:

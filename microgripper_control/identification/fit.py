@@ -25,6 +25,8 @@ from microgripper_control.identification.nuisance import (
     Nuisance,
     all_in_time,
     predict,
+    refuse_divergence,
+    response,
 )
 from microgripper_control.identification.problem import Problem
 from microgripper_control.identification.search import descend, simplex
@@ -62,7 +64,11 @@ def fit(
     """
     conditions = conditions or Conditions()
     _check(recordings)
+    for recording in recordings:
+        refuse_divergence(recording, response(model, recording, conditions, 0.0))
     free, undetermined = free_parameters(model)
+    if not free:
+        raise MicrogripperError(f"{model.name}: every parameter that can be fitted is frozen")
     static = tuple(key for key in free if key not in DYNAMIC)
     problem = Problem(model, all_in_time(model, recordings, conditions), conditions, static)
     progress("simplex")

@@ -15,6 +15,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
 from microgripper_control.effects.registry import registry
@@ -135,6 +136,16 @@ def predict(
         from_there = shown - nuisance.reading
         shown = sensed(model, name, from_there, recording.sample_period) + nuisance.reading
     return shown
+
+
+def refuse_divergence(recording: Recording, prediction: Array) -> None:
+    """Raise MicrogripperError where a model's answer to a recording's voltage is not finite."""
+    if not np.all(np.isfinite(prediction)):
+        least, most = float(recording.voltage.min()), float(recording.voltage.max())
+        raise MicrogripperError(
+            f"{recording.name}: the model's answer to {least:g} .. {most:g} V is not finite; is "
+            "the voltage in volts? --map voltage=NAME*SCALE"
+        )
 
 
 def largest_hysteresis(model: Model, recording: Recording) -> float:

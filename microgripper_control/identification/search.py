@@ -27,6 +27,8 @@ def simplex(problem: Problem) -> Array:
         model, initial = better_start(problem, initial)
     start = problem.point(model, initial)
     count = len(problem.free)
+    if not count:
+        return start
     low, high = problem.bounds
 
     def squares(part: Array) -> float:
@@ -47,6 +49,8 @@ def descend(problem: Problem, z: Array) -> Array:
     """Trust-region reflective least squares from a point, parameters and initial h together."""
     low, high = problem.bounds
     inside = np.clip(z, low, high)
+    if not len(inside):
+        return inside
     best = least_squares(
         partial(turned_residuals, problem),
         inside,

@@ -7,11 +7,13 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.signals import Array
 from microgripper_control.effects.base import Link
 from microgripper_control.effects.bouc_wen_behaviour import BehaviourClass, behaviour
 from microgripper_control.effects.registry import link_named, registry
 
 Key = tuple[str, str]  # link, parameter
+BEYOND = 0.01  # of the voltage range: so much beyond it is not spoken of
 
 
 @dataclass(frozen=True)
@@ -109,6 +111,14 @@ class Model:
             f"{where}: with these alpha, beta and gamma {fault} in cycles wider than "
             f"{found.safe_span:.1f} V; narrow the range or identify them again",
         )
+
+    def beyond(self, voltage: Array) -> str:
+        """What of a drive voltage, V, shape (n,), these values do not hold for; empty if none."""
+        (low, high), least, most = self.voltage_range, float(voltage.min()), float(voltage.max())
+        room = BEYOND * (high - low)
+        if least >= low - room and most <= high + room:
+            return ""
+        return f"voltage {least:g} .. {most:g} V; the model holds for {low:g} .. {high:g} V"
 
     @property
     def dead_time(self) -> float:

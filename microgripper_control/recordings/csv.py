@@ -103,13 +103,30 @@ def _read_header(path: Path, usual: str) -> tuple[list[str], str]:
         raise MicrogripperError(f"{path}: is empty; expected a header such as {usual}")
     if "\0" in line or "\ufffd\ufffd" in line:
         raise MicrogripperError(f"{path}: is neither a rosbag2 nor a CSV in UTF-8")
-    delimiter = next((mark for mark in DELIMITERS if mark in line), ",")
+    delimiter = max(DELIMITERS, key=line.count)  # of as many the first
     header = [name.strip() for name in next(csv.reader([line], delimiter=delimiter))]
     if all(_is_number(name) for name in header):
         raise MicrogripperError(
             f"{path}: line 1 has numbers where the names of the columns should be, such as {usual}"
         )
+    _check_width(path, header, delimiter)
     return header, delimiter
+
+
+def _check_width(path: Path, header: list[str], delimiter: str) -> None:
+    """Raise MicrogripperError if the first row has more cells than names: 5,002 is two of them."""
+    with _opened(path) as file:
+        reader = csv.reader(file, delimiter=delimiter)
+        next(reader)
+        try:
+            row = next((row for row in reader if any(cell.strip() for cell in row)), [])
+        except csv.Error:
+            return  # told where the row is read
+        if any(cell.strip() for cell in row[len(header) :]):
+            raise MicrogripperError(
+                f"{path}: line {reader.line_num}: {len(row)} cells, the header has {len(header)}; "
+                "with decimal commas, separate the columns by semicolons and write points"
+            )
 
 
 def _usual_header() -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -93,3 +94,31 @@ def test_bad_input_is_one_line_and_leaves_nothing(
         assert done.status == 2
         assert len(done.err.strip().splitlines()) == 1
         assert not out.exists()
+
+
+def test_a_recording_given_twice_would_count_twice(
+    microgripper: Run, model: Path, recording: Path, tmp_path: Path
+) -> None:
+    copy = tmp_path / "copy.csv"
+    copy.write_bytes(recording.read_bytes())
+    for command in ("identify", "diagnose"):
+        done = microgripper(command, "--model", model, recording, copy, "--out", tmp_path / "out")
+        assert (done.status, done.err.count("\n")) == (2, 1)
+        assert "copy.csv: has the same samples as" in done.err
+
+
+def test_frozen_parameters_leave_the_mechanics_to_be_fitted(
+    microgripper: Run, recording: Path, tmp_path: Path
+) -> None:
+    settings = nominal_model().settings
+    for frozen, status in ((["bouc_wen"], 0), (["bouc_wen", "second_order"], 2)):
+        changes = {
+            (link, name): replace(setting, frozen=True)
+            for link in frozen
+            for name, setting in settings[link].items()
+        }
+        path = tmp_path / "frozen.yaml"
+        save_model(nominal_model().with_settings(changes), path)
+        done = microgripper("identify", "--model", path, recording, "--out", tmp_path / "f.yaml")
+        assert done.status == status
+    assert "frozen" in done.err

@@ -53,3 +53,40 @@ def test_the_recordings_own_zero_is_fitted_unless_told_not_to(
     assert fitted["rmse_m"] < 1e-12
     plain = json.loads(microgripper(*words, "--nuisance", "none").out)
     assert plain["rmse_m"] == pytest.approx(5e-6, rel=1e-6)
+
+
+def test_samples_that_were_missing_get_no_row(
+    microgripper: Run, model: Path, tmp_path: Path
+) -> None:
+    """Who joins prediction and recording by row must not be shifted from the first gap on."""
+    path = write(tmp_path / "run.csv", VOLTAGE, header="time_s,voltage_V")
+    lines = path.read_text().splitlines(keepends=True)
+    path.write_text("".join(lines[:500] + lines[507:]))
+    done = microgripper("simulate", "--model", model, path, "--out", tmp_path / "p.csv")
+    assert done.status == 0
+    times = [np.loadtxt(one, delimiter=",", skiprows=1)[:, 0] for one in (path, tmp_path / "p.csv")]
+    assert np.allclose(*times, atol=1e-9)
+
+
+def test_a_recording_is_not_overwritten(microgripper: Run, model: Path, tmp_path: Path) -> None:
+    path = write(tmp_path / "run.csv", VOLTAGE, header="time_s,voltage_V")
+    before = path.read_bytes()
+    done = microgripper("simulate", "--model", model, path, "--out", path)
+    assert (done.status, path.read_bytes()) == (2, before)
+    assert "would overwrite" in done.err
+
+
+@pytest.mark.parametrize("command", ["simulate", "identify", "diagnose"])
+def test_millivolts_are_asked_about(
+    microgripper: Run, model: Path, tmp_path: Path, command: str
+) -> None:
+    measured = simulate(nominal_model(), VOLTAGE, 1e-3)
+    header = "time_s,voltage_V,displacement_m"
+    path = write(tmp_path / "run.csv", 1e3 * VOLTAGE, measured, header=header)
+    out = tmp_path / "out"
+    done = microgripper(command, "--model", model, path, "--out", out)
+    assert done.status == 2
+    said = done.err.strip().splitlines()
+    assert "the model holds for 0 .. 160 V" in said[0]
+    assert "in volts?" in said[-1]
+    assert not out.is_file()

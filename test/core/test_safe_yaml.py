@@ -16,6 +16,7 @@ REFUSED = {
     "a: 1\n---\na: 2": "but found another document",
     "a: [1, 2": "while parsing a flow sequence",
     "{{1: 2}: 3}": "unhashable",
+    "a:\n  b: 1\n  b: 2": "line 3: 'b' is given twice",
 }
 
 

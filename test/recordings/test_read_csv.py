@@ -100,6 +100,17 @@ def test_columns_of_other_people(tmp_path: Path) -> None:
     assert recording.displacement == pytest.approx(1e-8 * VOLTAGE)
 
 
+def test_what_separates_the_columns_is_what_there_is_most_of(tmp_path: Path) -> None:
+    rows = [f"{row.replace(',', ';')};" for row in ROWS]
+    path = write(tmp_path, f"{HEADER.replace(',', ';')};note (x, y)", *rows)
+    assert read_recording(path).displacement == pytest.approx(1e-8 * VOLTAGE)
+
+
+def test_a_comma_at_the_end_of_each_row_is_no_cell(tmp_path: Path) -> None:
+    path = write(tmp_path, HEADER, *(f"{row}," for row in ROWS))
+    assert read_recording(path).displacement == pytest.approx(1e-8 * VOLTAGE)
+
+
 def test_a_recording_of_the_voltage_alone(tmp_path: Path) -> None:
     path = write(tmp_path, "time_s,voltage_V", *(row.rsplit(",", 1)[0] for row in ROWS))
     assert read_recording(path, needs_displacement=False).displacement is None
@@ -138,6 +149,10 @@ def test_wrong_columns_are_listed_with_the_remedy(tmp_path: Path) -> None:
         ([HEADER, *ROWS[:7], "0.007,1,-inf", *ROWS[8:]], "displacement is -inf at sample 7"),
         ([HEADER, *ROWS[:7], "inf,1,1", *ROWS[8:]], "time is inf at sample 7"),
         ([HEADER, *ROWS, *ROWS], "time runs backwards at sample 50, from 0.049 s to 0 s"),
+        (
+            [HEADER, *(f"{k},{k},5,0{k % 10}" for k in range(20))],
+            "line 2: 4 cells, the header has 3",
+        ),
         ([HEADER, "s,V,m", *ROWS], "line 2: 's' in column 'time_s' is not a number"),
     ],
 )

@@ -31,6 +31,7 @@ from microgripper_control.identification.nuisance import (
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.simulate import Initial
 
+SHORTEST = 100  # samples of a recording: of fewer no noise can be told
 GAP = 0.05  # of a block, on each side of a judged one
 MOST_COMPARED = 300_000  # samples: an explanation takes hundreds of comparisons
 STRETCH, STRETCHES = 1000, 50  # samples in a row where not all are, and the least of such rows
@@ -64,7 +65,8 @@ class Evidence:
     ) -> Evidence:
         """The evidence in recordings of the rig that `nominal` is meant to describe.
 
-        Raises MicrogripperError for a recording that never moves or has no displacement.
+        Raises MicrogripperError for a recording that never moves, is too short, or has no
+        displacement.
         """
         if not recordings:
             raise MicrogripperError("no recording given to diagnose")
@@ -73,6 +75,10 @@ class Evidence:
                 raise MicrogripperError(
                     f"{recording.name}: voltage or displacement never changes; record a run that "
                     "moves"
+                )
+            if len(recording) < SHORTEST:
+                raise MicrogripperError(
+                    f"{recording.name}: {len(recording)} samples; a diagnosis needs {SHORTEST}"
                 )
         scales = measure(nominal, (*recordings, *heldout))
         used = _used(recordings, bool(heldout))

@@ -22,7 +22,7 @@ NORMAL = 1.4826  # standard deviation of a normal distribution, in medians of it
 def innovation(errors: Sequence[Array]) -> float:
     """Standard deviation, m, of what each sample adds to the ORDER samples before it (Yule-Walker).
 
-    `errors` are stretches of residual, m, without gaps.
+    `errors` are stretches of residual, m, without gaps; inf if all are too short to tell.
     """
     covariance = np.zeros(ORDER + 1)
     count = 0
@@ -31,7 +31,9 @@ def innovation(errors: Sequence[Array]) -> float:
             continue
         covariance += _covariance(error)
         count += len(error)
-    if count == 0 or covariance[0] <= 0.0:
+    if count == 0:
+        return np.inf
+    if covariance[0] <= 0.0:
         return 0.0
     covariance[0] *= 1.0 + 1e-9
     weights = solve_toeplitz(covariance[:-1], covariance[1:])

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.fits.fitting import FINE, fit_on, refine
 from microgripper_control.diagnosis.fits.trial import (
@@ -19,6 +20,7 @@ from microgripper_control.diagnosis.fits.trial import (
 )
 from microgripper_control.diagnosis.search.ringing import other_frequencies
 from microgripper_control.identification.determined import DYNAMIC, add_dynamics
+from microgripper_control.identification.nuisance import refuse_divergence, response
 from microgripper_control.identification.start import GRID_KEYS, better_start
 from microgripper_control.plant.model import Key, Model
 
@@ -83,5 +85,7 @@ def _at(
 ) -> Trial:
     trial = unfitted(evidence, Trial(model, free, initial, np.inf))
     if not np.isfinite(trial.fitted_rmse):
-        raise ValueError("the nominal model gives no finite displacement for the recordings")
+        for recording in evidence.fitted:
+            refuse_divergence(recording, response(model, recording, evidence.conditions, 0.0))
+        raise MicrogripperError("the nominal model does not answer to the recordings")
     return judged(evidence, trial)
