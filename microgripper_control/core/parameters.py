@@ -15,7 +15,7 @@ class Parameter:
     `low` and `high` bound the values a file may hold and a fit may visit. `vanishing` is the value
     at which the effect of the link is gone; it is None for a parameter that merely shapes it. One
     that is not `fitted` is chosen, never estimated by least squares: an exponent, a seed, a
-    resolution.
+    resolution. Of one that acts `by_sample` a held voltage shows whole samples only.
     """
 
     name: str
@@ -26,6 +26,7 @@ class Parameter:
     description: str
     vanishing: float | None = None
     fitted: bool = True
+    by_sample: bool = False
 
     def __post_init__(self) -> None:
         if not self.low <= self.nominal <= self.high:

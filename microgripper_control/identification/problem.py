@@ -28,6 +28,7 @@ from microgripper_control.identification.nuisance import (
     response,
 )
 from microgripper_control.plant.model import Key, Model
+from microgripper_control.plant.simulate import Hold
 
 DIFFERENCE = 1e-5  # step of the finite differences, in units of the scale
 
@@ -170,9 +171,26 @@ class Problem:
                 columns[self.parts[recording], column] = self._by_hysteresis(z, recording)
                 continue
             along = partial(self._moved, z, index)
+            if self._by_sample(index):
+                columns[:, column] = self._over_a_sample(along, z, index)
+                continue
             ahead = DIFFERENCE if z[index] + DIFFERENCE <= high[index] else -DIFFERENCE
             columns[:, column] = _slope(along, base, ahead)
         return columns
+
+    def _by_sample(self, index: int) -> bool:
+        link, name = self.free[index]
+        held = self.conditions.hold is Hold.ZERO
+        return held and registry()[link].parameter(name).by_sample
+
+    def _over_a_sample(self, along: Callable[[float], Array], z: Array, index: int) -> Array:
+        """The slope over the sample about a point: a rig that rests within it shows none in it."""
+        low, high = (bound[index] for bound in self.bounds)
+        period = max(recording.sample_period for recording in self.recordings)
+        width = period / float(self.scales[index])
+        back = min(0.5 * width, float(z[index] - low))
+        ahead = min(width - back, float(high - z[index]))
+        return np.asarray((along(ahead) - along(-back)) / (ahead + back))
 
     def _moved(self, z: Array, index: int, step: float) -> Array:
         """The residuals a step away from a point."""

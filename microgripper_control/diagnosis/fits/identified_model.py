@@ -19,7 +19,6 @@ from microgripper_control.identification.problem import Problem
 from microgripper_control.plant.model import Model, Setting
 from microgripper_control.plant.simulate import Hold
 
-DELAY = ("transport_delay", "delay")
 LIKELY = 3.84  # chi squared of one parameter at 95 %
 HALVINGS = 12  # of a sample period: how closely the end of a range is told
 
@@ -34,10 +33,11 @@ def identified(evidence: Evidence, trial: Trial) -> Model:
     for index, key in enumerate(problem.free):
         value, scale = trial.model.value(*key), float(problem.scales[index])
         bounds = interval(value, float(spread[index]) * scale**2, freedom)
-        if key == DELAY and evidence.conditions.hold is Hold.ZERO:
+        declared = registry()[key[0]].parameter(key[1])
+        if declared.by_sample and evidence.conditions.hold is Hold.ZERO:
             period = max(recording.sample_period for recording in evidence.fitted)
             bounds = _without_a_trace(problem, z, index, period)
-        settings[key] = Setting(value, allowed(bounds, registry()[key[0]].parameter(key[1])))
+        settings[key] = Setting(value, allowed(bounds, declared))
     return _as_observed(problem, z, trial.model.with_settings(settings))
 
 

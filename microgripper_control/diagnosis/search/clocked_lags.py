@@ -39,7 +39,7 @@ def on_the_sensors_clock(pool: Pool, jobs: int = -1) -> Pool:
     tried = _fitted(rough, jobs)
     least = min((fit.trial.both for fit in tried), default=0.0)
     near = [fit for fit in tried if fit.trial.both < AS_GOOD * least]
-    tried += _fitted([(fit.trial, retimed(fit.evidence, fit.trial), 0.0) for fit in near], jobs)
+    tried += _fitted([(fit.trial, *retimed(fit.evidence, fit.trial)) for fit in near], jobs)
     chosen = min(tried, key=lambda fit: fit.trial.both, default=None)
     if chosen is None or chosen.trial.both >= best[0].both:
         return pool

@@ -54,12 +54,17 @@ def on_its_clocks(evidence: Evidence, trial: Trial) -> list[tuple[Evidence, floa
     ]
 
 
-def retimed(evidence: Evidence, trial: Trial) -> Evidence:
-    """The evidence with a closer clock and closer ages, from an explanation that has the clock."""
+def retimed(evidence: Evidence, trial: Trial) -> tuple[Evidence, float]:
+    """The evidence with a closer clock and closer ages, from an explanation that has the clock.
+
+    With it comes by how much the lag is then too long, s: where the voltage is held, a fit finds no
+    slope to tell it by.
+    """
     views = _views(evidence, trial)
     telling, clock = _telling(views), evidence.scales.clock
     age, left = telling.first_age(clock)
-    return _timed(evidence, views, _closer(telling, Reading(left, clock, age, 0.0)))
+    found = _closer(telling, Reading(left, clock, age, 0.0))
+    return _timed(evidence, views, found), found.ahead
 
 
 class Reading(NamedTuple):

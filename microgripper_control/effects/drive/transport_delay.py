@@ -106,7 +106,9 @@ LINK = Link(
     title="transport delay",
     source="definition of a pure delay",
     parameters=(
-        Parameter("delay", "s", 0.001, 0.0, 1.0, "time by which the command is late", 0.0),
+        Parameter(
+            "delay", "s", 0.001, 0.0, 1.0, "time by which the command is late", 0.0, by_sample=True
+        ),
         CLOCK,
     ),
     prepare=prepare,
