@@ -31,8 +31,8 @@ REFERENCE = 1e-6  # m, r above
 BESIDE = 0.1  # of the stroke: what the nominal model may be wrong about where it ends
 MOST_DAMPING = 100.0  # s/m; metals have 0.1 to 0.3, and much lets go whenever the finger turns
 SHOWN = 0.05  # of the force: relaxation below that is not spoken of
-TOUCHED = 0.5  # of the stroke: what is touched over more is rather a spring of the rig,
-ALWAYS = 0.75  # and over so much it is one
+TOUCHED = 0.55  # of the stroke: what is touched over more is rather a spring of the rig,
+ALWAYS = 0.8  # and over so much it is one
 HARDEST = 2.5  # times the force at rest: the beginning of an impact from which nothing springs back
 
 

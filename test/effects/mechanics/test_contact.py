@@ -186,3 +186,21 @@ def test_an_object_that_hardly_relaxes_is_not_said_to() -> None:
     assert link.says is not None
     assert "40 % more if pressed faster" in link.says(soft, scales)
     assert "faster" not in link.says(soft | {"stiffening": 0.01}, scales)
+
+
+@pytest.mark.parametrize(
+    ("position", "side", "unusual"),
+    [
+        (1e-5, 1.0, 0.0),
+        (6.5e-6, 1.0, 0.5),
+        (3e-6, 1.0, 1.0),
+        (3e-6, -1.0, 0.0),
+        (1.9e-5, -1.0, 1.0),
+    ],
+)
+def test_what_is_touched_over_most_of_the_stroke_goes_by_another_name(
+    position: float, side: float, unusual: float
+) -> None:
+    scales = Scales(1e-3, 10.0, (0.0, 160.0), 1e3, (0.0, 2e-5), 1e7, 0.0038)
+    values = {"position": position, "side": side}
+    assert link_named("contact").unusual(values, scales) == pytest.approx(unusual)
