@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 from microgripper_control.core.recording import Recording
 from microgripper_control.diagnosis.diagnose import candidate_names, diagnose
 from microgripper_control.diagnosis.fits.trial import Trial
-from microgripper_control.diagnosis.search import resettling, rounds
+from microgripper_control.diagnosis.search import exploration, resettling, rounds
 from microgripper_control.plant.model import nominal_model
 from microgripper_control.plant.simulate import simulate
 
@@ -39,3 +40,21 @@ def test_on_settled_evidence_no_effect_is_tried_beside_itself(
     assert ("creep", ("amplifier_lag",)) in tried
     assert len(tried) > 2  # afresh, too
     assert all(name not in effects for name, effects in tried)
+
+
+def test_an_effect_that_shows_may_lead_from_further_behind(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A play and a warm-up: creep from before the recordings comes nearest to both of them."""
+    monkeypatch.setattr(exploration, "is_dear", lambda evidence, model: False)
+    creep, drift = (
+        SimpleNamespace(effects=(name,), model=None) for name in ("creep", "thermal_drift")
+    )
+    closed = {"creep": 0.50, "thermal_drift": 0.34}
+    pool: Any = SimpleNamespace(
+        evidence=None,
+        closed=lambda trial: closed[trial.effects[0]],
+        best=lambda size, count: [creep] if size == 1 else [],
+        leaves_more=lambda trial: True,
+    )
+    leader: Any = drift
+    assert not exploration._may_lead(leader, pool, 1, set())
+    assert exploration._may_lead(leader, pool, 1, {"thermal_drift"})

@@ -6,7 +6,7 @@ kept, and how probable each is follows from all of them together (see `weighing`
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import replace
 
 from microgripper_control.diagnosis.data.evidence import Evidence
@@ -36,7 +36,8 @@ THIRDS = 3  # and third ones
 UNCLOSED_IF_DEAR = 0.25  # of the gap: what asks for an effect beside a dear force, a minute's work
 FAIR_PART = 0.2  # of the gap; two independent effects of one size close 0.3 of it each
 RIVAL = 0.7  # of what the best closes: what the second must close to be a leader as well,
-RIVAL_IF_DEAR = 0.9  # and what it must with a force that remembers the way
+RIVAL_IF_DEAR = 0.9  # and what it must with a force that remembers the way,
+RIVAL_IF_SHOWN = 0.5  # or if what the refit leaves shows a sign of it
 
 
 def explore(
@@ -66,11 +67,12 @@ def explore(
         play(evidence, bases, some, len(some), pool, progress, jobs)
     pool = again_if_settled(pool, jobs)
     fitted = [name for name in names if not is_read_off(name)]
+    shown = set(_shown_by(pool.refit, pool))
     for size in range(1, MOST_EFFECTS):
         if not _worth_joining(pool, size):
             break
         for leader in pool.best(size, BEAM):
-            if _may_lead(leader, pool, size):
+            if _may_lead(leader, pool, size, shown):
                 _join(leader, fitted, pool, progress, jobs)
     _check_backwards(pool)
     _add_chosen(pool, names)
@@ -98,13 +100,14 @@ def _worth_joining(pool: Pool, size: int) -> bool:
     return pool.closed(best[0]) - pool.closed(pool.best(size - 1, 1)[0]) > FAIR_PART
 
 
-def _may_lead(leader: Trial, pool: Pool, size: int) -> bool:
+def _may_lead(leader: Trial, pool: Pool, size: int, shown: Set[str]) -> bool:
     """Whether one of the best explanations with `size` effects is worth a further one."""
     costly = is_dear(pool.evidence, leader.model)
     if costly and 1.0 - pool.closed(leader) < UNCLOSED_IF_DEAR:
         return False
     best = pool.best(size, 1)
-    near = RIVAL_IF_DEAR if costly else RIVAL
+    near = RIVAL if shown.isdisjoint(leader.effects) else RIVAL_IF_SHOWN
+    near = RIVAL_IF_DEAR if costly else near
     if pool.closed(leader) < near * pool.closed(best[0]):
         return False
     return pool.leaves_more((pool.best(size + 1, 1) or best)[0])
