@@ -66,6 +66,7 @@ KNOWN_IN_THE_READER = {  # `yaml.parse` names what is written; it makes nothing 
     "yaml.CollectionStartEvent",
     "yaml.CollectionEndEvent",
     "yaml.YAMLError",
+    *(f"yaml.{kind}" for kind in ("Node", "MappingNode", "ScalarNode", "SequenceNode")),
 }
 
 

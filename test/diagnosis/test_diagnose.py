@@ -219,7 +219,7 @@ def files(tmp_path_factory: pytest.TempPathFactory, paper: Model) -> Path:
 def run(*arguments: object) -> str:
     result = CliRunner().invoke(app, [str(argument) for argument in arguments])
     assert result.exit_code == 0, result.output
-    return result.output
+    return result.stdout
 
 
 def test_simulate_repeats_the_held_out_error_to_the_last_digit(files: Path) -> None:
