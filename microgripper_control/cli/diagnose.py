@@ -97,13 +97,8 @@ def diagnose(
         typer.echo(json.dumps(as_json(found, out), allow_nan=False))
         return
     show(found, Console(highlight=False, soft_wrap=True))
-    names = [
-        str(out / REPORT),
-        RESULT,
-        MODEL,
-        *([NEXT_EXPERIMENT] if found.next_experiment else []),
-    ]
-    typer.echo(f"written: {', '.join(names)}")
+    more = [NEXT_EXPERIMENT] if found.next_experiment else []
+    typer.echo(f"written: {', '.join([str(out / REPORT), RESULT, MODEL, *more])}")
 
 
 def write_files(found: Diagnosis, folder: Path, maps: Sequence[str] = ()) -> None:
@@ -140,10 +135,10 @@ def spread_heldout(arguments: Sequence[str]) -> list[str]:
     spread: list[str] = []
     within = False
     for argument in arguments:
-        if argument == HELDOUT or argument.startswith(f"{HELDOUT}="):
+        name, given, value = argument.partition("=")
+        if name == HELDOUT:
             within = True
-            if argument != HELDOUT:
-                spread += argument.split("=", 1)
+            spread += [HELDOUT, value] if given else []
             continue
         if argument.startswith("-"):
             within = False

@@ -16,13 +16,12 @@ from microgripper_control.cli.options import (
     JsonOption,
     MapOption,
     ModelOption,
+    check_out,
     read_all,
     read_model,
-    refuse_overwriting,
     refuse_twice,
 )
 from microgripper_control.cli.tables import print_table
-from microgripper_control.core.files import check_place
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.fit import Fit, fit
 from microgripper_control.identification.nuisance import Conditions
@@ -44,10 +43,9 @@ def identify(
 ) -> None:
     """Fit a model's parameters to recordings; writes them with 95 % intervals."""
     nominal = read_model(model)
-    check_place(out)
+    check_out(out, recordings)
     given = read_all(recordings, nominal, maps)
     refuse_twice(given)
-    refuse_overwriting(out, recordings)
     with Console(stderr=True).status("reading") as status:
         found = fit(
             nominal, given, Conditions(hold, initial), lambda stage: status.update(f"fit: {stage}")

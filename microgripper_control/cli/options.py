@@ -10,6 +10,7 @@ import numpy as np
 import typer
 
 from microgripper_control.core.errors import MicrogripperError, one_line
+from microgripper_control.core.files import check_place
 from microgripper_control.core.recording import Recording
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.model_file import load_model
@@ -61,10 +62,11 @@ def read_all(
     return recordings
 
 
-def refuse_overwriting(out: Path, given: Sequence[Path]) -> None:
-    """Raise MicrogripperError where the result would take the place of what it is made from."""
+def check_out(out: Path, given: Sequence[Path]) -> None:
+    """Raise MicrogripperError where no result can go, or would replace what it is made from."""
     if any(out.resolve() == path.resolve() for path in given):
         raise MicrogripperError(f"--out {out}: would overwrite what is read; give another name")
+    check_place(out)
 
 
 def refuse_twice(recordings: Sequence[Recording]) -> None:

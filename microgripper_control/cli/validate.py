@@ -18,7 +18,7 @@ from microgripper_control.cli.tables import print_table
 from microgripper_control.core.files import make_folder
 from microgripper_control.diagnosis.search.schedule import cluster
 from microgripper_control.examination.folder import Folder, write_json
-from microgripper_control.examination.plan import MOST, USED, USED_SEED, Extent, Part, plan
+from microgripper_control.examination.plan import MOST, USED, Extent, Part, plan
 from microgripper_control.examination.run import OnProgress, run
 from microgripper_control.examination.score import Score, score
 from microgripper_control.examination.summary import as_json
@@ -65,8 +65,8 @@ def validate(
     """
     planned = plan(seed, quick)
     extent = Extent(seed, quick, only, first)
-    if extent.used:
-        typer.echo(f"warning: {USED_SEED.format(extent.seed)}", err=True)
+    if extent.caution:
+        typer.echo(f"warning: {extent.caution}", err=True)
     root = make_folder(out)
     with sigterm_as_interrupt(), cluster(scheduler), _progress() as on_progress:
         records = run(root, planned, on_progress, jobs, asked=extent.of(planned))

@@ -30,10 +30,8 @@ def power_of(unit: str, size: float) -> int:
 
 def quantity(value: float, unit: str, digits: int = 2) -> str:
     """A value with its unit, in the prefix in which it reads best: 8.5e-08 m is `85 nm`."""
-    if unit not in PREFIXED or value == 0.0 or not math.isfinite(value):
-        return f"{number(value, digits)} {unit}"
-    power = power_of(unit, float(f"{value:.{digits - 1}e}"))
-    return f"{number(value / 10.0**power, digits)} {PREFIXES[power]}{unit}"
+    factor, name = _prefixed(unit, float(f"{value:.{digits - 1}e}"))
+    return f"{number(value / factor, digits)} {name}"
 
 
 def span(low: float, high: float, unit: str, digits: int = 2) -> str:
@@ -44,12 +42,18 @@ def span(low: float, high: float, unit: str, digits: int = 2) -> str:
         return f"below {quantity(high, unit, digits)}"
     if number(low, SAME) == number(high, SAME):
         return f"about {quantity(low, unit, digits)}"
-    prefixed = unit in PREFIXED
-    power = power_of(unit, max(abs(low), abs(high))) if prefixed else 0
+    factor, name = _prefixed(unit, max(abs(low), abs(high)))
     while number(low, digits) == number(high, digits):
         digits += 1
-    ends = f"{number(low / 10.0**power, digits)} to {number(high / 10.0**power, digits)}"
-    return f"{ends} {PREFIXES[power] if prefixed else ''}{unit}"
+    return f"{number(low / factor, digits)} to {number(high / factor, digits)} {name}"
+
+
+def _prefixed(unit: str, size: float) -> tuple[float, str]:
+    """The unit in which a size reads best: what one of it is in the unit given, and its name."""
+    if unit not in PREFIXED or size == 0.0 or not math.isfinite(size):
+        return 1.0, unit
+    power = power_of(unit, size)
+    return 10.0**power, f"{PREFIXES[power]}{unit}"
 
 
 def percent(share: float, digits: int = 2) -> str:

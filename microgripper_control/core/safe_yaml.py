@@ -41,10 +41,12 @@ def _refuse_what_is_given_twice(node: yaml.Node) -> None:
             seen = set()
             for key, value in one.value:
                 children.append(value)
-                if isinstance(key, yaml.ScalarNode) and key.value in seen:
+                if not isinstance(key, yaml.ScalarNode):
+                    continue  # is no key of plain data: told where it is made
+                if key.value in seen:
                     line = key.start_mark.line + 1 if key.start_mark else 1
                     raise ValueError(f"line {line}: {key.value!r} is given twice; remove one")
-                seen.add(key.value if isinstance(key, yaml.ScalarNode) else id(key))
+                seen.add(key.value)
         elif isinstance(one, yaml.SequenceNode):
             children += one.value
 

@@ -31,8 +31,6 @@ SEEDS_EACH = 10_000  # cases' seeds that each seed of an examination has for its
 MOST = 200_000  # the largest seed of an examination
 USED = range(1, 20)  # seeds that were reported once and learned from since: docs/examinations.md
 
-USED_SEED = "the cases of seed {} were learned from: what comes of them flatters the diagnosis"
-
 REPEATS = 2  # of each effect, strength and form, in full
 BLANKS = 75  # of each of none and parameters, in full
 FOREIGN_REPEATS = 2
@@ -100,8 +98,14 @@ class Extent:
 
     @property
     def used(self) -> bool:
-        """Whether development has seen its cases: what it says then flatters the method."""
+        """Whether development has seen its cases."""
         return self.seed in USED
+
+    @property
+    def caution(self) -> str:
+        """What to know before its result is trusted; empty if nothing."""
+        flatters = "were learned from: what comes of them flatters the diagnosis"
+        return f"the cases of seed {self.seed} {flatters}" if self.used else ""
 
     @property
     def command(self) -> str:

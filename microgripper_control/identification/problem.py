@@ -171,14 +171,20 @@ class Problem:
                 columns[self.parts[recording], column] = self._by_hysteresis(z, recording)
                 continue
             along = partial(self._moved, z, index)
-            if self._by_sample(index):
+            if self.by_sample(index):
                 columns[:, column] = self._over_a_sample(along, z, index)
                 continue
             ahead = DIFFERENCE if z[index] + DIFFERENCE <= high[index] else -DIFFERENCE
             columns[:, column] = _slope(along, base, ahead)
         return columns
 
-    def _by_sample(self, index: int) -> bool:
+    @cached_property
+    def longest_period(self) -> float:
+        """s, the sample period of the recording that is sampled most slowly."""
+        return max(recording.sample_period for recording in self.recordings)
+
+    def by_sample(self, index: int) -> bool:
+        """Whether the recordings show whole samples only of a free parameter."""
         link, name = self.free[index]
         held = self.conditions.hold is Hold.ZERO
         return held and registry()[link].parameter(name).by_sample
@@ -186,8 +192,7 @@ class Problem:
     def _over_a_sample(self, along: Callable[[float], Array], z: Array, index: int) -> Array:
         """The slope over the sample about a point: a rig that rests within it shows none in it."""
         low, high = (bound[index] for bound in self.bounds)
-        period = max(recording.sample_period for recording in self.recordings)
-        width = period / float(self.scales[index])
+        width = self.longest_period / float(self.scales[index])
         back = min(0.5 * width, float(z[index] - low))
         ahead = min(width - back, float(high - z[index]))
         return np.asarray((along(ahead) - along(-back)) / (ahead + back))

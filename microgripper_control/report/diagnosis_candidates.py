@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from microgripper_control.core.parameters import Parameter
 from microgripper_control.diagnosis.findings import Candidate, Diagnosis, Signature
 from microgripper_control.effects.registry import registry
 from microgripper_control.plant.model import Setting
@@ -111,7 +112,7 @@ def _parameters(candidate: Candidate) -> Html | None:
     values = {name: setting.value for name, setting in candidate.parameters.items()}
     idle = link.idle(values) if link else ()
     rows = [
-        _parameter(candidate.effect, name, setting)
+        _parameter(link.parameter(name) if link else None, name, setting)
         for name, setting in candidate.parameters.items()
         if name not in idle
     ]
@@ -122,12 +123,9 @@ def _parameters(candidate: Candidate) -> Html | None:
     return element("table", element("thead", head), body, class_="parameters")
 
 
-def _parameter(effect: str, name: str, setting: Setting) -> Html:
-    link = registry().get(effect)
-    declared = link.parameter(name) if link else None
+def _parameter(declared: Parameter | None, name: str, setting: Setting) -> Html:
     unit = declared.unit if declared else "1"
-    low, high = setting.interval or (float("nan"), float("nan"))
-    interval = span(low, high, unit) if setting.interval else ""
+    interval = span(*setting.interval, unit) if setting.interval else ""
     if declared and not declared.fitted:
         interval = "chosen"
     return element(

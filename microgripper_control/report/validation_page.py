@@ -11,7 +11,6 @@ from microgripper_control.examination.plan import (
     FIRST_SEED,
     NEVER,
     STRENGTHS,
-    USED_SEED,
     WITHHELD,
     Extent,
 )
@@ -102,7 +101,7 @@ def _extent(score: Score, extent: Extent) -> str:
         f"at {FIRST_SEED}. The method was developed and calibrated on seeds "
         f"{DEVELOPMENT_SEEDS[0]} to {DEVELOPMENT_SEEDS[-1]}, which give one of each effect's two "
         "laws alone: form a. Form b appears in examinations only."
-        + (f" Mind that {USED_SEED.format(extent.seed)}." if extent.used else "")
+        + (f" Mind that {extent.caution}." if extent.caution else "")
     )
 
 

@@ -29,7 +29,11 @@ AXES = {
 
 def where(found: Range) -> str:
     """Where a part of the gap lies, as a sentence."""
-    said = clause(found, "the gap's")
+    return as_sentence(clause(found, "the gap's"))
+
+
+def as_sentence(said: str) -> str:
+    """A clause as a sentence by itself."""
     return f"{said[0].upper()}{said[1:]}."
 
 

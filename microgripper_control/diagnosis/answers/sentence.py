@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from microgripper_control.core.quantities import number, percent, quantity
-from microgripper_control.diagnosis.answers.places import clause
+from microgripper_control.diagnosis.answers.places import as_sentence, clause
 from microgripper_control.diagnosis.data.noise import removable
 from microgripper_control.diagnosis.findings import (
     EFFECTS,
@@ -55,7 +55,9 @@ def sentence(
         groups = [_group(name, ambiguous) for name in effects]
         known = {candidate.effect: candidate for candidate in candidates}
         clauses = [_clause(group, gap, model, known, scales) for group in groups]
-        return " ".join([_sentence(clauses[0]), *map(_further, clauses[1:]), _shrunk(groups, gap)])
+        return " ".join(
+            [as_sentence(clauses[0]), *map(_further, clauses[1:]), _shrunk(groups, gap)]
+        )
     return _unexplained(gap, where, floor)
 
 
@@ -63,10 +65,6 @@ def described(name: str, values: Values, scales: Scales) -> str:
     """What an effect with these values does to the rig, as a clause."""
     link = registry()[name]
     return link.says(values, scales) if link.says else f"the rig shows {link.title}"
-
-
-def _sentence(clause: str) -> str:
-    return f"{clause[0].upper()}{clause[1:]}."
 
 
 def _further(clause: str) -> str:

@@ -17,7 +17,6 @@ from microgripper_control.identification.determined import variances
 from microgripper_control.identification.nuisance import own_courses
 from microgripper_control.identification.problem import Problem
 from microgripper_control.plant.model import Model, Setting
-from microgripper_control.plant.simulate import Hold
 
 LIKELY = 3.84  # chi squared of one parameter at 95 %
 HALVINGS = 12  # of a sample period: how closely the end of a range is told
@@ -33,11 +32,9 @@ def identified(evidence: Evidence, trial: Trial) -> Model:
     for index, key in enumerate(problem.free):
         value, scale = trial.model.value(*key), float(problem.scales[index])
         bounds = interval(value, float(spread[index]) * scale**2, freedom)
-        declared = registry()[key[0]].parameter(key[1])
-        if declared.by_sample and evidence.conditions.hold is Hold.ZERO:
-            period = max(recording.sample_period for recording in evidence.fitted)
-            bounds = _without_a_trace(problem, z, index, period)
-        settings[key] = Setting(value, allowed(bounds, declared))
+        if problem.by_sample(index):
+            bounds = _without_a_trace(problem, z, index)
+        settings[key] = Setting(value, allowed(bounds, registry()[key[0]].parameter(key[1])))
     return _as_observed(problem, z, trial.model.with_settings(settings))
 
 
@@ -49,7 +46,7 @@ def allowed(bounds: tuple[float, float], parameter: Parameter) -> tuple[float, f
     return parameter.nearest(low), parameter.nearest(high)
 
 
-def _without_a_trace(problem: Problem, z: Array, index: int, period: float) -> tuple[float, float]:
+def _without_a_trace(problem: Problem, z: Array, index: int) -> tuple[float, float]:
     """Between which delays, s, the recordings show no difference.
 
     A plant that settles within a sample answers to a held voltage alike wherever in the sample it
@@ -65,7 +62,7 @@ def _without_a_trace(problem: Problem, z: Array, index: int, period: float) -> t
         left = problem.residuals(other)
         return float(left @ left) <= most
 
-    value = float(z[index]) * scale
+    value, period = float(z[index]) * scale, problem.longest_period
     return _end(likely, value, max(0.0, value - period)), _end(likely, value, value + period)
 
 

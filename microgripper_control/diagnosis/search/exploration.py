@@ -67,10 +67,10 @@ def explore(
         play(evidence, bases, some, len(some), pool, progress, jobs)
     pool = again_if_settled(pool, jobs)
     fitted = [name for name in names if not is_read_off(name)]
-    shown = set(_shown_by(pool.refit, pool))
     for size in range(1, MOST_EFFECTS):
         if not _worth_joining(pool, size):
             break
+        shown = set(_shown_by(pool.refit, pool))
         for leader in pool.best(size, BEAM):
             if _may_lead(leader, pool, size, shown):
                 _join(leader, fitted, pool, progress, jobs)
@@ -106,8 +106,9 @@ def _may_lead(leader: Trial, pool: Pool, size: int, shown: Set[str]) -> bool:
     if costly and 1.0 - pool.closed(leader) < UNCLOSED_IF_DEAR:
         return False
     best = pool.best(size, 1)
-    near = RIVAL if shown.isdisjoint(leader.effects) else RIVAL_IF_SHOWN
-    near = RIVAL_IF_DEAR if costly else near
+    near = RIVAL_IF_DEAR if costly else RIVAL
+    if not costly and not shown.isdisjoint(leader.effects):
+        near = RIVAL_IF_SHOWN
     if pool.closed(leader) < near * pool.closed(best[0]):
         return False
     return pool.leaves_more((pool.best(size + 1, 1) or best)[0])

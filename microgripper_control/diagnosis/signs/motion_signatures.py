@@ -87,33 +87,29 @@ def thresholds(residuals: Sequence[Residual], noise: float) -> list[Signature]:
     """A bend of the residual over the voltage (saturation) and over the displacement (contact)."""
     level = find_onset(residuals, lambda residual: residual.recording.voltage, noise)
     place = find_onset(residuals, lambda residual: residual.recording.measured, noise)
-    return [_saturation(level), _contact(place)]
+    return [
+        _bend("saturation", level, "voltage", "Above", ("V", "V", 1.0)),
+        _bend("contact", place, "displacement", "Beyond", ("m", "µm", 1e-6)),
+    ]
 
 
-def _saturation(level: Onset | None) -> Signature:
-    if level is None:
-        return Signature("saturation", None, "The residual has no bend over the voltage.")
-    side = "above" if level.low == level.place else "below"
-    return Signature(
-        "saturation",
-        True,
-        f"{side.capitalize()} {quantity(level.place, 'V', 3)} the residual takes another slope, by "
-        f"{quantity(level.slope, 'm')} per V, which explains {percent(level.explained)} of its "
-        "changes.",
+def _bend(
+    effect: str, onset: Onset | None, over: str, beyond: str, units: tuple[str, str, float]
+) -> Signature:
+    """A bend over an axis: `beyond` is what the range above it is called.
+
+    `units` are the axis's own, that by which a slope is told, and the latter's size in the former.
+    """
+    if onset is None:
+        return Signature(effect, None, f"The residual has no bend over the {over}.")
+    unit, per, size = units
+    side = beyond if onset.low == onset.place else "Below"
+    slope = f"{quantity(size * onset.slope, 'm')} per {per}"
+    text = (
+        f"{side} {quantity(onset.place, unit, 3)} the residual takes another slope, by {slope}, "
+        f"which explains {percent(onset.explained)} of its changes."
     )
-
-
-def _contact(place: Onset | None) -> Signature:
-    if place is None:
-        return Signature("contact", None, "The residual has no bend over the displacement.")
-    side = "Beyond" if place.low == place.place else "Below"
-    return Signature(
-        "contact",
-        True,
-        f"{side} {quantity(place.place, 'm', 3)} the residual takes another slope, by "
-        f"{quantity(1e-6 * place.slope, 'm')} per µm, which explains {percent(place.explained)} of "
-        "its changes.",
-    )
+    return Signature(effect, True, text)
 
 
 def creep(residuals: Sequence[Residual], noise: float) -> list[Signature]:
