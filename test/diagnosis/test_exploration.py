@@ -44,7 +44,7 @@ def test_on_settled_evidence_no_effect_is_tried_beside_itself(
 
 def test_an_effect_that_shows_may_lead_from_further_behind(monkeypatch: pytest.MonkeyPatch) -> None:
     """A play and a warm-up: creep from before the recordings comes nearest to both of them."""
-    monkeypatch.setattr(exploration, "is_dear", lambda evidence, model: False)
+    monkeypatch.setattr(exploration, "is_costly", lambda evidence, model: False)
     creep, drift = (
         SimpleNamespace(effects=(name,), model=None) for name in ("creep", "thermal_drift")
     )

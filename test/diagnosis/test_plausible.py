@@ -59,7 +59,7 @@ def test_what_is_touched_all_the_time_is_no_contact() -> None:
 
 
 @pytest.mark.parametrize(
-    ("leader", "effect", "seconds", "too_dear"),
+    ("leader", "effect", "seconds", "too_costly"),
     [
         ("friction", "slew_limit", 120.0, True),
         ("friction", "slew_limit", 5.0, False),
@@ -68,16 +68,16 @@ def test_what_is_touched_all_the_time_is_no_contact() -> None:
     ],
 )
 def test_what_would_take_seconds_a_simulation_joins_no_other(
-    leader: str, effect: str, seconds: float, too_dear: bool
+    leader: str, effect: str, seconds: float, too_costly: bool
 ) -> None:
     given = evidence(nominal_model(), seconds, hold=Hold.FIRST)
     model = nominal_model().with_link(leader, **registry()[leader].starts(given.scales)[0])
     trial = Trial(model, (), (0.0,), 1e-7)
-    assert may_join(given, trial, effect) != too_dear
+    assert may_join(given, trial, effect) != too_costly
 
 
 @pytest.mark.parametrize(("effect", "may"), [("friction", False), ("mains_hum", True)])
-def test_a_dear_force_is_not_the_third(effect: str, may: bool) -> None:
+def test_a_costly_force_is_not_the_third(effect: str, may: bool) -> None:
     given = evidence(nominal_model(), 5.0, hold=Hold.FIRST)
     model = nominal_model().with_link("creep")
     assert may_join(given, Trial(model, (), (0.0,), 1e-7), effect)

@@ -1,7 +1,7 @@
 """Base parameters and effects fitted together, from a guess to the least squares.
 
 A gap is small against the stroke, so the derivatives by the base parameters change little when an
-effect is added. Where each sample is dear they are taken once, at the refit, and kept while an
+effect is added. Where each sample is costly they are taken once, at the refit, and kept while an
 effect is fitted (the chord method). Elsewhere all are fresh: a strong effect is not found without.
 """
 

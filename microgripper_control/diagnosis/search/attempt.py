@@ -18,7 +18,7 @@ from microgripper_control.diagnosis.data.grid import refuted
 from microgripper_control.diagnosis.fits.fitting import Base, begun, extend, fit_on, half_way
 from microgripper_control.diagnosis.fits.trial import Trial, judged, moved, unfitted
 from microgripper_control.diagnosis.search.finishing import refined
-from microgripper_control.diagnosis.search.labour import is_dear
+from microgripper_control.diagnosis.search.labour import is_costly
 from microgripper_control.diagnosis.search.screening import Guess, guesses, kind
 from microgripper_control.diagnosis.search.stretches import GLANCE, MANY, on_a_part
 from microgripper_control.effects.base import Values
@@ -29,7 +29,7 @@ ENOUGH = 60_000  # samples times guesses: few samples take many
 STEPS = 12  # of a fit from a first guess, at most
 FAR_OFF = 2.0  # times what is hopeless: a first fit that leaves more is not gone on with
 FALLEN_SHORT = 1.2  # times what a guess had promised: a fit that leaves more has gone astray
-DEAR_STEPS = 8  # where each sample is dear: first with the base's derivatives kept, then all fresh
+COSTLY_STEPS = 8  # where samples are costly: first with the base's derivatives kept, then fresh
 CARRIED = 2  # fits of a part of the samples that are tried on all; of an effect that joins, one
 SETTLING_IN = 5  # steps with the same derivatives, from a part of the samples to all of them
 MISLED = 1.5  # times what is left of a part: where all samples leave more, it has misled the fit
@@ -40,7 +40,7 @@ ROUGH = 1e-3  # tolerance
 class Scrutiny(NamedTuple):
     """How far an effect is worth being fitted."""
 
-    samples: int  # on which a dear one is fitted first
+    samples: int  # on which a costly one is fitted first
     starts: int = MOST_STARTS
     hopeless: float = math.inf  # m: what leaves more is fitted no further
     known: float = 0.0  # m, what the best of the others leaves
@@ -52,8 +52,8 @@ def attempt(
 ) -> tuple[str, Trial | None, str]:
     """Add one effect to the bases: its name, the best fit, and why there is none.
 
-    A dear one that leaves less of a part of the samples than the best of the others, and then more
-    of all, is worth a longer fit.
+    A costly one that leaves less of a part of the samples than the best of the others, and then
+    more of all, is worth a longer fit.
     """
     try:
         with np.errstate(all="ignore"):  # a hopeless guess may overflow: it is then no start
@@ -74,26 +74,34 @@ def _attempt(
             return None, f"readings on steps of {quantity(step, 'm')} could not follow so closely"
         return behind(evidence, bases[0].trial, name), ""
     part, anchors = on_a_part(evidence, bases, name, scrutiny.samples)
-    samples = sum(int(np.count_nonzero(used)) for used in part.used)
-    wanted = min(scrutiny.starts, max(STARTS, ENOUGH // samples))
-    starts = guesses(part, anchors, name, wanted, scrutiny.alone)
-    fits = [_fit_from(part, start, name, FAR_OFF * scrutiny.hopeless) for start in starts]
-    found = [fit for fit in fits if fit is not None and np.isfinite(fit.fitted_rmse)]
+    found = _from_all_starts(part, anchors, name, scrutiny)
     if not found:
         return None, "no start could be fitted"
-    alone = not anchors[0].trial.effects
-    near = min(fit.fitted_rmse for fit in found) < FAR_OFF * scrutiny.hopeless
-    if alone and near and any(is_dear(part, fit.model) for fit in found):
-        found += [fit_on(part, fit, ROUGH, DEAR_STEPS) for fit in best_of_each_kind(found, name)]
     if part is evidence:
         return min((judged(evidence, fit) for fit in found), key=lambda trial: trial.both), ""
     found.sort(key=lambda trial: trial.fitted_rmse)
-    if not alone:
+    if anchors[0].trial.effects:
         found, scrutiny = found[:1], scrutiny._replace(known=0.0)
     whole = _carried(evidence, found, name, scrutiny)
     if whole is None:
         return None, "diverges where it was not fitted"
     return judged(evidence, whole), ""
+
+
+def _from_all_starts(
+    part: Evidence, anchors: Sequence[Base], name: str, scrutiny: Scrutiny
+) -> list[Trial]:
+    """The fits from the best first guesses, and of a costly effect that is by itself their ends."""
+    samples = sum(int(np.count_nonzero(used)) for used in part.used)
+    wanted = min(scrutiny.starts, max(STARTS, ENOUGH // samples))
+    starts = guesses(part, anchors, name, wanted, scrutiny.alone)
+    fits = [_fit_from(part, start, name, FAR_OFF * scrutiny.hopeless) for start in starts]
+    found = [fit for fit in fits if fit is not None and np.isfinite(fit.fitted_rmse)]
+    alone = not anchors[0].trial.effects
+    near = any(fit.fitted_rmse < FAR_OFF * scrutiny.hopeless for fit in found)
+    if alone and near and any(is_costly(part, fit.model) for fit in found):
+        found += [fit_on(part, fit, ROUGH, COSTLY_STEPS) for fit in best_of_each_kind(found, name)]
+    return found
 
 
 def _carried(
@@ -135,7 +143,7 @@ def _while_it_falls(evidence: Evidence, trial: Trial) -> Trial:
     """
     left = math.inf
     for _ in range(ROUNDS):
-        trial = fit_on(evidence, trial, ROUGH, DEAR_STEPS)
+        trial = fit_on(evidence, trial, ROUGH, COSTLY_STEPS)
         if not trial.fitted_rmse < FALLING * left:
             break
         left = trial.fitted_rmse
@@ -154,13 +162,13 @@ def best_of_each_kind(found: Sequence[Trial], name: str) -> list[Trial]:
 
 
 def _fit_from(evidence: Evidence, guess: Guess, name: str, too_far: float) -> Trial | None:
-    """Fit from a first guess: with few derivatives fresh, then, where no sample is dear, with all.
+    """Fit from a first guess: with few derivatives fresh, then, where it costs little, with all.
 
     All at once from the guess would often lead astray, few of them alone far too little. Where less
     comes of it than the guess had promised, the base's parameters go first.
     """
     fit = extend(evidence, guess.base, guess.model, [name])
-    if is_dear(evidence, guess.model) or (fit is not None and fit.fitted_rmse > too_far):
+    if is_costly(evidence, guess.model) or (fit is not None and fit.fitted_rmse > too_far):
         return fit
     fit = fit_on(evidence, fit or begun(guess.base, guess.model, [name]), ROUGH, STEPS)
     promised = math.sqrt(max(guess.left, 0.0) / len(guess.base.residual))

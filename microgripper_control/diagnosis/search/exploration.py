@@ -17,8 +17,8 @@ from microgripper_control.diagnosis.search.attempt import behind
 from microgripper_control.diagnosis.search.clocked_lags import on_the_sensors_clock
 from microgripper_control.diagnosis.search.finishing import POLISHED, refined
 from microgripper_control.diagnosis.search.labour import (
-    is_dear,
-    is_dear_with,
+    is_costly,
+    is_costly_with,
     is_force,
     is_light_with,
     may_join,
@@ -31,12 +31,12 @@ from microgripper_control.effects.registry import registry
 
 MOST_EFFECTS = 3
 BEAM = 2  # explanations that a further effect is added to
-SECONDS, SECONDS_IF_DEAR = 7, 3  # second effects that are fitted, the most promising,
+SECONDS, SECONDS_IF_COSTLY = 7, 3  # second effects that are fitted, the most promising,
 THIRDS = 3  # and third ones
-UNCLOSED_IF_DEAR = 0.25  # of the gap: what asks for an effect beside a dear force, a minute's work
+UNCLOSED_IF_COSTLY = 0.25  # of the gap: what asks for an effect beside a costly force, a minute
 FAIR_PART = 0.2  # of the gap; two independent effects of one size close 0.3 of it each
 RIVAL = 0.7  # of what the best closes: what the second must close to be a leader as well,
-RIVAL_IF_DEAR = 0.9  # and what it must with a force that remembers the way,
+RIVAL_IF_COSTLY = 0.9  # and what it must with a force that remembers the way,
 RIVAL_IF_SHOWN = 0.5  # or if what the refit leaves shows a sign of it
 
 
@@ -57,13 +57,13 @@ def explore(
     names = [name for name in candidates if name not in pool.own]
     far = replace(nominal, free=refit.free)  # from where it is, but no parameter stays there
     bases = [base_of(evidence, trial) for trial in (refit, *others, far)]
-    # From cheap to dear: a look is enough at what costs more and has nothing left to explain.
-    dear = [name for name in names if is_dear_with(evidence, refit, name)]
+    # From cheap to costly: a look is enough at what costs more and has nothing left to explain.
+    costly = [name for name in names if is_costly_with(evidence, refit, name)]
     first = [n for n in names if _is_first(n, evidence, refit)]
     play(evidence, bases, first, len(first), pool, progress, jobs)
     pool = on_the_sensors_clock(pool, jobs)
     evidence = pool.evidence
-    for some in ([name for name in names if name not in (*first, *dear)], dear):
+    for some in ([name for name in names if name not in (*first, *costly)], costly):
         play(evidence, bases, some, len(some), pool, progress, jobs)
     pool = again_if_settled(pool, jobs)
     fitted = [name for name in names if not is_read_off(name)]
@@ -95,18 +95,18 @@ def _worth_joining(pool: Pool, size: int) -> bool:
         return False
     if size == 1:
         return pool.closed(best[0]) > FAIR_PART
-    if is_dear(pool.evidence, best[0].model):
+    if is_costly(pool.evidence, best[0].model):
         return False  # a third effect beside such a force would take minutes
     return pool.closed(best[0]) - pool.closed(pool.best(size - 1, 1)[0]) > FAIR_PART
 
 
 def _may_lead(leader: Trial, pool: Pool, size: int, shown: Set[str]) -> bool:
     """Whether one of the best explanations with `size` effects is worth a further one."""
-    costly = is_dear(pool.evidence, leader.model)
-    if costly and 1.0 - pool.closed(leader) < UNCLOSED_IF_DEAR:
+    costly = is_costly(pool.evidence, leader.model)
+    if costly and 1.0 - pool.closed(leader) < UNCLOSED_IF_COSTLY:
         return False
     best = pool.best(size, 1)
-    near = RIVAL_IF_DEAR if costly else RIVAL
+    near = RIVAL_IF_COSTLY if costly else RIVAL
     if not costly and not shown.isdisjoint(leader.effects):
         near = RIVAL_IF_SHOWN
     if pool.closed(leader) < near * pool.closed(best[0]):
@@ -118,7 +118,7 @@ def _join(leader: Trial, names: Sequence[str], pool: Pool, progress: Progress, j
     """Add each of some effects to a leader that was fitted to the end."""
     evidence = pool.evidence
     third = len(frozenset(leader.effects) - pool.own) > 1
-    most = SECONDS_IF_DEAR if is_dear(evidence, leader.model) else THIRDS if third else SECONDS
+    most = SECONDS_IF_COSTLY if is_costly(evidence, leader.model) else THIRDS if third else SECONDS
     leader = refined(evidence, leader, POLISHED, 60)
     pool.add(leader)
     rest = [

@@ -30,19 +30,19 @@ def is_force(effect: str) -> bool:
     return registry()[effect].force is not None
 
 
-def is_dear(evidence: Evidence, model: Model) -> bool:
+def is_costly(evidence: Evidence, model: Model) -> bool:
     """Whether a model has forces that are balanced many times in each sample."""
     return _labour_of_forces(evidence, model) > MANY_ROWS
 
 
-def is_dear_with(evidence: Evidence, trial: Trial, effect: str) -> bool:
+def is_costly_with(evidence: Evidence, trial: Trial, effect: str) -> bool:
     """The same of a trial's model with one more effect, at its first start."""
     model = _with(evidence, trial, effect)
-    return model is not None and is_dear(evidence, model)
+    return model is not None and is_costly(evidence, model)
 
 
 def may_join(evidence: Evidence, trial: Trial, effect: str) -> bool:
-    """Whether an effect may be added to a trial's: a dear force beside two would take minutes.
+    """Whether an effect may be added to a trial's: a costly force beside two would take minutes.
 
     Beside one it may, unless a simulation then takes half a second, so often are they balanced.
     """

@@ -10,7 +10,7 @@ from microgripper_control.diagnosis.fits.fitting import Base, base_of, refine
 from microgripper_control.diagnosis.fits.trial import Trial, judged, unfitted
 from microgripper_control.diagnosis.search.attempt import ROUGH, STEPS, Scrutiny, attempt, polish
 from microgripper_control.diagnosis.search.finishing import POLISHED, refined
-from microgripper_control.diagnosis.search.labour import is_dear
+from microgripper_control.diagnosis.search.labour import is_costly
 from microgripper_control.diagnosis.search.pool import Pool, is_read_off
 from microgripper_control.diagnosis.search.schedule import side_by_side
 from microgripper_control.diagnosis.search.stretches import PART
@@ -50,7 +50,7 @@ def again_if_settled(pool: Pool, jobs: int) -> Pool:
         tasks = [
             (evidence, base, name)
             for name, trial in leaders.items()
-            if not is_dear(evidence, trial.model)
+            if not is_costly(evidence, trial.model)
         ]
         for trials in side_by_side(_afresh, tasks, jobs):
             for trial in trials:

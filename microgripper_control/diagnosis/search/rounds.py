@@ -21,7 +21,7 @@ from microgripper_control.diagnosis.search.attempt import (
     polish,
     promise,
 )
-from microgripper_control.diagnosis.search.labour import is_dear
+from microgripper_control.diagnosis.search.labour import is_costly
 from microgripper_control.diagnosis.search.pool import Pool
 from microgripper_control.diagnosis.search.schedule import side_by_side
 from microgripper_control.diagnosis.search.stretches import GLANCE, PART
@@ -32,7 +32,7 @@ RUNNERS_UP = 2  # of the promising: those that explain most by themselves,
 SHOWN = 2  # and those of which what is left shows a sign
 NEAR = 3.0  # times what the best leaves: what leaves less is fitted on, all derivatives fresh,
 NEARER = 2.0  # but not so far off if nothing is wanting,
-NEAR_IF_JOINED = 1.5  # or if it joins another and each sample is dear,
+NEAR_IF_JOINED = 1.5  # or if it joins another and each sample is costly,
 FEW = 2  # and no more than so many of these, if they have helped at all by then
 
 
@@ -40,7 +40,7 @@ class Near(NamedTuple):
     """How many times as much as the best a fit may leave and be gone on with."""
 
     cheap: float
-    dear: float
+    costly: float
 
 
 Progress = Callable[[str, int, int], None]  # what is being tried, how many are done, of how many
@@ -71,13 +71,13 @@ def play(
     alone = before is pool.refit
     wanting = alone and pool.unexplained
     near = Near(
-        cheap=NEAR if wanting or not alone else NEARER, dear=NEAR if wanting else NEAR_IF_JOINED
+        cheap=NEAR if wanting or not alone else NEARER, costly=NEAR if wanting else NEAR_IF_JOINED
     )
     known = min((trial.fitted_rmse for trial in pool.tried.values()), default=np.inf)
     scrutiny = Scrutiny(PART, known=known)
     if not wanting:
         starts = STARTS if alone else MOST_STARTS
-        scrutiny = Scrutiny(GLANCE, starts, near.dear * known, known)
+        scrutiny = Scrutiny(GLANCE, starts, near.costly * known, known)
     tasks = [
         (evidence, bases, name, scrutiny._replace(alone=() if alone else _by_itself(name, pool)))
         for name in _long_first(names, evidence.scales)
@@ -143,11 +143,11 @@ def _going_on(
     others = [trial for trial in pool.tried.values() if len(trial.free) > len(before.free)]
     least = min((trial.fitted_rmse for trial in (*fits, *others)), default=np.inf)
     cheap: list[Trial] = []
-    dear: list[Trial] = []
+    costly: list[Trial] = []
     for trial in sorted(fits, key=lambda trial: trial.fitted_rmse):
-        (dear if is_dear(evidence, trial.model) else cheap).append(trial)
-    limit = min(near.dear * least, before.fitted_rmse)
+        (costly if is_costly(evidence, trial.model) else cheap).append(trial)
+    limit = min(near.costly * least, before.fitted_rmse)
     return [
         *(trial for trial in cheap if trial.fitted_rmse < near.cheap * least),
-        *[trial for trial in dear if trial.fitted_rmse < limit][:FEW],
+        *[trial for trial in costly if trial.fitted_rmse < limit][:FEW],
     ]

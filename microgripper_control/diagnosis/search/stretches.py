@@ -1,4 +1,4 @@
-"""Less to look at where each sample is dear.
+"""Less to look at where each sample is costly.
 
 A force is balanced within each sample, many times where the mass rings or the way counts. It knows
 place and way and not the time, so stretches of the recordings show enough of it to begin with.
@@ -12,7 +12,7 @@ from microgripper_control.diagnosis.data.evidence import Evidence, rms
 from microgripper_control.diagnosis.data.noise import innovation, removable
 from microgripper_control.diagnosis.fits.fitting import Base, base_of
 from microgripper_control.diagnosis.fits.trial import moved
-from microgripper_control.diagnosis.search.labour import is_dear_with, is_force
+from microgripper_control.diagnosis.search.labour import is_costly_with, is_force
 from microgripper_control.effects.registry import registry
 
 PART = 15_000  # samples that are fitted then
@@ -25,13 +25,13 @@ MANY = 40_000  # samples
 def on_a_part(
     evidence: Evidence, bases: Sequence[Base], name: str, most: int
 ) -> tuple[Evidence, Sequence[Base]]:
-    """What to try an effect on and the bases there: with a dear force, about `most` samples.
+    """What to try an effect on and the bases there: with a costly force, about `most` samples.
 
     For a glance that goes for any force, and for a play. Less than twice as many are left whole: a
     stretch forgets what was before it, and its fit may lead astray. So are all where the stretches,
     each with a zero and a beginning of its own, show too little of the gap.
     """
-    less = is_dear_with(evidence, bases[0].trial, name) or (most <= GLANCE and _is_shown(name))
+    less = is_costly_with(evidence, bases[0].trial, name) or (most <= GLANCE and _is_shown(name))
     less = less and sum(len(recording) for recording in evidence.fitted) > WORTHWHILE * most
     part = evidence.pieces(most) if less else evidence
     if part is evidence:
