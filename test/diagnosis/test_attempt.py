@@ -2,9 +2,21 @@
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
+import pytest
+
+from microgripper_control.core.recording import Recording
+from microgripper_control.diagnosis.data.evidence import Evidence
+from microgripper_control.diagnosis.fits.fitting import Base, base_of
 from microgripper_control.diagnosis.fits.trial import Trial
-from microgripper_control.diagnosis.search.attempt import best_of_each_kind
-from microgripper_control.plant.model import nominal_model
+from microgripper_control.diagnosis.search import attempt as attempts
+from microgripper_control.diagnosis.search.attempt import Scrutiny, attempt, best_of_each_kind
+from microgripper_control.diagnosis.search.refit import nominal_trial, refit_trial
+from microgripper_control.identification.nuisance import Conditions
+from microgripper_control.plant.model import Model, nominal_model
+from microgripper_control.plant.simulate import simulate
 
 EFFECT = "restoring_force_hysteresis"
 
@@ -18,3 +30,42 @@ def test_the_best_of_each_kind_goes_on_and_no_other() -> None:
     found = [fit(1.0, 50e-9), fit(0.0, 40e-9), fit(1.0, 60e-9), fit(0.0, 45e-9)]
     assert {trial.fitted_rmse for trial in best_of_each_kind(found, EFFECT)} == {40e-9, 50e-9}
     assert [trial.fitted_rmse for trial in best_of_each_kind(found[:1], EFFECT)] == [50e-9]
+
+
+PERIOD = 1e-4  # s: the rig rings between its samples, so that forces are costly
+
+
+def bases_of(rig: Model, nominal: Model) -> tuple[Evidence, list[Base]]:
+    t = PERIOD * np.arange(8000)
+    voltage = 70.0 - 60.0 * np.cos(2.0 * np.pi * 5.0 * t) * np.exp(-t)
+    noise = np.random.default_rng(3).normal(0.0, 10e-9, len(t))
+    recording = Recording("run", PERIOD, voltage, simulate(rig, voltage, PERIOD) + noise)
+    evidence = Evidence.gather([recording], [recording], Conditions(), nominal)
+    return evidence, [base_of(evidence, refit_trial(evidence, nominal_trial(evidence, nominal)))]
+
+
+def test_where_nothing_is_wanting_what_a_part_does_not_show_is_not_fitted_to_all(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Bent to the noise of a part, a costly force would only do harm elsewhere, in minutes."""
+    paper = nominal_model()
+    evidence, bases = bases_of(paper, paper)
+    known = bases[0].trial.fitted_rmse
+
+    def not_asked(*given: object) -> None:
+        raise AssertionError("fitted to all samples")
+
+    monkeypatch.setattr(attempts, "_carried", not_asked)
+    _, trial, why = attempt(evidence, bases, "contact", Scrutiny(2000, 2, 2.0 * known, known))
+    assert trial is None
+    assert "takes nothing away" in why
+
+
+def test_what_a_part_shows_is_fitted_to_all() -> None:
+    paper = nominal_model()
+    evidence, bases = bases_of(paper.with_link("contact", position=1e-5, stiffness=2e6), paper)
+    left = bases[0].trial.fitted_rmse
+    for hopeless in (2.0 * left, math.inf):
+        _, trial, why = attempt(evidence, bases, "contact", Scrutiny(2000, 2, hopeless, left))
+        assert trial is not None, why
+        assert trial.fitted_rmse < 0.5 * left

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from microgripper_control.core.quantities import quantity
-from microgripper_control.diagnosis.data.evidence import Evidence
+from microgripper_control.diagnosis.data.evidence import Evidence, rms
 from microgripper_control.diagnosis.data.grid import refuted
 from microgripper_control.diagnosis.fits.fitting import Base, begun, extend, fit_on, half_way
 from microgripper_control.diagnosis.fits.trial import Trial, judged, moved, unfitted
@@ -28,6 +28,7 @@ STARTS, MOST_STARTS = 2, 4  # best first guesses that are fitted,
 ENOUGH = 60_000  # samples times guesses: few samples take many
 STEPS = 12  # of a fit from a first guess, at most
 FAR_OFF = 2.0  # times what is hopeless: a first fit that leaves more is not gone on with
+LITTLE_TAKEN = 0.99  # of a part's residual: if nothing is wanting, what leaves more is no way on
 FALLEN_SHORT = 1.2  # times what a guess had promised: a fit that leaves more has gone astray
 COSTLY_STEPS = 8  # where samples are costly: first with the base's derivatives kept, then fresh
 CARRIED = 2  # fits of a part of the samples that are tried on all; of an effect that joins, one
@@ -82,6 +83,8 @@ def _attempt(
     found.sort(key=lambda trial: trial.fitted_rmse)
     if anchors[0].trial.effects:
         found, scrutiny = found[:1], scrutiny._replace(known=0.0)
+    elif math.isfinite(scrutiny.hopeless) and _takes_nothing(found[0], anchors[0]):
+        return None, "takes nothing away of what a part of the samples shows"
     whole = _carried(evidence, found, name, scrutiny)
     if whole is None:
         return None, "diverges where it was not fitted"
@@ -102,6 +105,11 @@ def _from_all_starts(
     if alone and near and any(is_costly(part, fit.model) for fit in found):
         found += [fit_on(part, fit, ROUGH, COSTLY_STEPS) for fit in best_of_each_kind(found, name)]
     return found
+
+
+def _takes_nothing(trial: Trial, base: Base) -> bool:
+    """Whether a fit to a part leaves what the base does: on all samples it would only do harm."""
+    return trial.fitted_rmse > LITTLE_TAKEN * rms([base.residual])
 
 
 def _carried(
