@@ -19,6 +19,7 @@ from microgripper_control.plant.model import Model, nominal_model
 from microgripper_control.plant.simulate import simulate
 
 EFFECT = "restoring_force_hysteresis"
+PERIOD = 1e-4  # s: the rig rings between its samples, so that forces are costly
 
 
 def fit(distributed: float, left: float) -> Trial:
@@ -32,24 +33,22 @@ def test_the_best_of_each_kind_goes_on_and_no_other() -> None:
     assert [trial.fitted_rmse for trial in best_of_each_kind(found[:1], EFFECT)] == [50e-9]
 
 
-PERIOD = 1e-4  # s: the rig rings between its samples, so that forces are costly
-
-
-def bases_of(rig: Model, nominal: Model) -> tuple[Evidence, list[Base]]:
+def bases_of(rig: Model) -> tuple[Evidence, list[Base]]:
+    """A recording of a rig, and what a refit of the paper's model leaves of it."""
+    paper = nominal_model()
     t = PERIOD * np.arange(8000)
     voltage = 70.0 - 60.0 * np.cos(2.0 * np.pi * 5.0 * t) * np.exp(-t)
     noise = np.random.default_rng(3).normal(0.0, 10e-9, len(t))
     recording = Recording("run", PERIOD, voltage, simulate(rig, voltage, PERIOD) + noise)
-    evidence = Evidence.gather([recording], [recording], Conditions(), nominal)
-    return evidence, [base_of(evidence, refit_trial(evidence, nominal_trial(evidence, nominal)))]
+    evidence = Evidence.gather([recording], [recording], Conditions(), paper)
+    return evidence, [base_of(evidence, refit_trial(evidence, nominal_trial(evidence, paper)))]
 
 
 def test_where_nothing_is_wanting_what_a_part_does_not_show_is_not_fitted_to_all(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Bent to the noise of a part, a costly force would only do harm elsewhere, in minutes."""
-    paper = nominal_model()
-    evidence, bases = bases_of(paper, paper)
+    evidence, bases = bases_of(nominal_model())
     known = bases[0].trial.fitted_rmse
 
     def not_asked(*given: object) -> None:
@@ -62,8 +61,8 @@ def test_where_nothing_is_wanting_what_a_part_does_not_show_is_not_fitted_to_all
 
 
 def test_what_a_part_shows_is_fitted_to_all() -> None:
-    paper = nominal_model()
-    evidence, bases = bases_of(paper.with_link("contact", position=1e-5, stiffness=2e6), paper)
+    rig = nominal_model().with_link("contact", position=1e-5, stiffness=2e6)
+    evidence, bases = bases_of(rig)
     left = bases[0].trial.fitted_rmse
     for hopeless in (2.0 * left, math.inf):
         _, trial, why = attempt(evidence, bases, "contact", Scrutiny(2000, 2, hopeless, left))

@@ -98,10 +98,11 @@ def _from_all_starts(
     samples = sum(int(np.count_nonzero(used)) for used in part.used)
     wanted = min(scrutiny.starts, max(STARTS, ENOUGH // samples))
     starts = guesses(part, anchors, name, wanted, scrutiny.alone)
-    fits = [_fit_from(part, start, name, FAR_OFF * scrutiny.hopeless) for start in starts]
+    too_far = FAR_OFF * scrutiny.hopeless
+    fits = [_fit_from(part, start, name, too_far) for start in starts]
     found = [fit for fit in fits if fit is not None and np.isfinite(fit.fitted_rmse)]
     alone = not anchors[0].trial.effects
-    near = any(fit.fitted_rmse < FAR_OFF * scrutiny.hopeless for fit in found)
+    near = any(fit.fitted_rmse < too_far for fit in found)
     if alone and near and any(is_costly(part, fit.model) for fit in found):
         found += [fit_on(part, fit, ROUGH, COSTLY_STEPS) for fit in best_of_each_kind(found, name)]
     return found

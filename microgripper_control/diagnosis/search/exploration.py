@@ -67,13 +67,8 @@ def explore(
         play(evidence, bases, some, len(some), pool, progress, jobs)
     pool = again_if_settled(pool, jobs)
     fitted = [name for name in names if not is_read_off(name)]
-    for size in range(1, MOST_EFFECTS):
-        if not _worth_joining(pool, size):
-            break
-        shown = set(_shown_by(pool.refit, pool))
-        for leader in pool.best(size, BEAM):
-            if _may_lead(leader, pool, size, shown):
-                _join(leader, fitted, pool, progress, jobs)
+    if _worth_joining(pool, 1):
+        _add_further(fitted, pool, progress, jobs)
     _check_backwards(pool)
     _add_chosen(pool, names)
     return pool
@@ -84,6 +79,17 @@ def _is_first(name: str, evidence: Evidence, refit: Trial) -> bool:
     if registry()[name].clocked:
         return True
     return not is_force(name) and is_light_with(evidence, refit, name)
+
+
+def _add_further(names: Sequence[str], pool: Pool, progress: Progress, jobs: int) -> None:
+    """Add a second effect to the best explanations, and a third while that is worth it."""
+    shown = set(_shown_by(pool.refit, pool))
+    for size in range(1, MOST_EFFECTS):
+        for leader in pool.best(size, BEAM):
+            if _may_lead(leader, pool, size, shown):
+                _join(leader, names, pool, progress, jobs)
+        if not _worth_joining(pool, size + 1):
+            return
 
 
 def _worth_joining(pool: Pool, size: int) -> bool:
