@@ -8,9 +8,10 @@ xi = |u - u0| and g = sign(du) h, both directions obey
     dg/dxi = alpha d - beta g |g|^(n-1) - gamma |g|^n,
 
 so that on each side of g = 0 the coefficient is constant: beta + gamma above, beta - gamma below.
-For n = 1 that is linear, and the step is taken in closed form, split where g changes sign. For
-other exponents it is integrated by the classical Runge-Kutta method with steps small against the
-curvature, split at the same place and small near it because |g|^n is not smooth there.
+For n = 1 that is linear, for n = 2 Riccati's: the step is taken in closed form, split where g
+changes sign. For other exponents it is integrated by the classical Runge-Kutta method with steps
+small against the curvature, split at the same place and small near it because |g|^n is not smooth
+there.
 """
 
 import math
@@ -48,6 +49,51 @@ def _travel_to_zero(g: float, a: float, c: float) -> float:
     if abs(c * g) < 1e-12 * a:
         return -g / a
     return math.log1p(-c * g / a) / c
+
+
+@inlined
+def _bent(c: float, a: float, xi: float) -> float:
+    """What dg/dxi = a - c g^2 has made of zero after xi, over a: tanh(q xi) / q, q = sqrt(a c).
+
+    Infinite where it has grown without bound, as a tangent does for c < 0.
+    """
+    y = a * c * xi * xi
+    if abs(y) < 0.04:  # the tangents' continued fraction: within 1e-14, and quicker
+        return xi / (1.0 + y / (3.0 + y / (5.0 + y / (7.0 + y / 9.0))))
+    x = math.sqrt(abs(y))
+    if y > 0.0:
+        return xi * math.tanh(x) / x
+    return xi * math.tan(x) / x if x < 0.5 * math.pi else math.inf
+
+
+@inlined
+def _step_square(g: float, a: float, c: float, xi: float) -> float:
+    """Solve dg/dxi = a - c g^2 from g over xi, by the addition theorem of the tangents."""
+    bent = _bent(c, a, xi)
+    speed, under = a - c * g * g, 1.0 + c * g * bent
+    return g + speed * bent / under if under > 0.0 else math.copysign(math.inf, speed)
+
+
+@compiled
+def _travel_to_zero_square(g: float, a: float, c: float) -> float:
+    """As `_travel_to_zero`, of dg/dxi = a - c g^2."""
+    x = g * math.sqrt(abs(c) / a)
+    if abs(x) < 1e-6:
+        return -g / a
+    return -g / a * (math.atanh(x) if c > 0.0 else math.atan(x)) / x
+
+
+@compiled
+def _integrate_square(g: float, a: float, beta: float, gamma: float, xi: float) -> float:
+    """Solve dg/dxi = a - beta g |g| - gamma g^2 from g over xi."""
+    if g < 0.0:
+        c = gamma - beta
+        new = _step_square(g, a, c, xi)
+        if new <= 0.0:
+            return new
+        xi -= _travel_to_zero_square(g, a, c)
+        g = 0.0
+    return _step_square(g, a, beta + gamma, xi)
 
 
 @compiled
@@ -102,6 +148,8 @@ def advance(h: float, du: float, a: float, beta: float, gamma: float, n: float) 
     """
     if n != 1.0:
         sign = 1.0 if du >= 0.0 else -1.0
+        if n == 2.0:
+            return sign * _integrate_square(sign * h, a, beta, gamma, abs(du))
         return sign * _integrate_power(sign * h, a, beta, gamma, n, abs(du))
     # The step is linear in h: next to nothing to wait for from one step to the next.
     xi, feed = abs(du), a if du > 0.0 else -a

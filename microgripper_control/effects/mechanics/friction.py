@@ -1,7 +1,8 @@
 """Friction in guide or joint: it sticks like a spring, slips at a force that depends on speed.
 
-    F = -f,    f' = stiffness x' (1 - r) (1 + bend r)      while it is loaded further, r >= 0,
-               f' = stiffness x' (1 - recovery r)          on the way back, r < 0,
+    F = -f - damping z',    f = stiffness z,
+    z' = x' (1 - r) (1 + bend r)      while it is loaded further, r >= 0,
+    z' = x' (1 - recovery r)          on the way back, r < 0,
     r = sgn(x') f / g,    g = coulomb (1 + excess / (1 + (x'/v_s)^2))
 
 and, of the share that is `distributed`,
@@ -12,8 +13,9 @@ At bend 0 and recovery 1 this is Dahl's bristle. `bend` keeps it stiff until sho
 slips, and a small `recovery` lets it come back along its own stiffness, as the elasto-plastic
 bristle of Dupont does; the breakaway force is Stribeck's as in LuGre, and with an excess below zero
 it grips the more the faster it slides, as grease does. At excess 0 it depends on the path alone, in
-closed form; with excess, g is taken at the mean speed of a step. LuGre's viscous term is not
-repeated: the mechanics' b is one.
+closed form; with excess, g is taken at the mean speed of a step. What sticks may damp while it
+bends, LuGre's sigma_1: that is seen where the rig rings from sample to sample. LuGre's viscous term
+is not repeated: the mechanics' b is one.
 
 That part is a Maxwell slip: asperities that slip at distances of their own, so that it
 remembers each turn of the way (`effects.slipping_springs`). The distances are such that all slip at
@@ -23,7 +25,7 @@ remembers each turn of the way (`effects.slipping_springs`). The distances are s
 import math
 from collections.abc import Collection, Mapping, Sequence
 
-from microgripper_control.core.compiled import compiled
+from microgripper_control.core.compiled import compiled, inlined
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import quantity
 from microgripper_control.core.signals import Array
@@ -31,6 +33,8 @@ from microgripper_control.effects.base import Force, Link, Scales, Stage, Values
 from microgripper_control.effects.memory_of_the_way import unusually_long
 from microgripper_control.effects.slipping_springs import SPRINGS, pull, springs
 
+RINGING = 6.0  # swings of the rig's own from sample to sample, after which none is left to see
+DAMPED = 0.3  # a first guess at the damping, over sqrt(stiffness mass)
 SLIGHT = 0.1  # so far e^-x is taken as (12 - 6 x + x^2) / (12 + 6 x + x^2)
 
 
@@ -40,6 +44,12 @@ def forgotten(x: float) -> float:
     if abs(x) < SLIGHT:
         return float(12.0 * x / (12.0 + x * (x + 6.0)))
     return -math.expm1(-x)
+
+
+@inlined
+def _follows(r: float, bend: float, recovery: float) -> float:
+    """The share of a way that goes into bending the bristle."""
+    return 1.0 - recovery * r if r < 0.0 else (1.0 - r) * (1.0 + bend * r)
 
 
 @compiled
@@ -60,18 +70,20 @@ def law(
     c: Array, before: Array, after: Array, x0: float, x1: float, v: float, step: float
 ) -> float:
     way = x1 - x0
-    slipping = pull(c, 7, before, after, 1, way) if c[6] > 0.0 else 0.0
+    slipping = pull(c, 8, before, after, 1, way) if c[6] > 0.0 else 0.0
     f: float = before[0]
+    braking = 0.0
     if way != 0.0 and c[6] < 1.0:
         run, scale = way * way, (step * c[3]) * (step * c[3])
         level = c[0] * (run + (1.0 + c[2]) * scale) / (run + scale)
         if level > 0.0:
             ahead = level if way > 0.0 else -level
-            f = ahead * bristle(f / ahead, abs(way) * c[1] / level, c[4], c[5])
+            r = bristle(f / ahead, abs(way) * c[1] / level, c[4], c[5])
+            f, braking = ahead * r, c[7] * v * _follows(r, c[4], c[5])
         else:
             f = 0.0
     after[0] = f
-    force: float = (1.0 - c[6]) * f + slipping
+    force: float = (1.0 - c[6]) * (f + braking) + slipping
     return -force
 
 
@@ -82,6 +94,7 @@ def coefficients(values: Values) -> Sequence[float]:
     return [
         *(values[name] for name in names),
         share,
+        values["damping"],
         *limits,
         *(share * values["stiffness"] * shares),
     ]
@@ -98,28 +111,32 @@ def stiffness(values: Values) -> float:
 
 
 def starts(scales: Scales) -> Sequence[Values]:
-    """A hundredth of the rig's force, which sticks over more or less of the stroke."""
+    """A hundredth of the rig's force, which sticks over more or less of the stroke.
+
+    What sticks damps where the rig's own ringing reaches from sample to sample; elsewhere a damping
+    would hardly leave a trace.
+    """
     force = 0.01 * scales.stiffness * scales.stroke
-    return [
-        {
-            "coulomb": force,
-            "stiffness": force / (share * scales.stroke),
-            "excess": 0.0,
-            **shape,
-        }
-        for share in (0.003, 0.02, 0.15)
-        for shape in (
-            {"bend": 0.0, "recovery": 1.0},
-            {"bend": 2.0, "recovery": 0.1},
-            {"distributed": 1.0},
-        )
-    ]
+    swing = 2.0 * math.pi * math.sqrt(scales.mass / scales.stiffness)
+    rings = scales.sample_period < RINGING * swing
+    found: list[Values] = []
+    for share in (0.003, 0.02, 0.15):
+        stiffness = force / (share * scales.stroke)
+        damping = DAMPED * math.sqrt(stiffness * scales.mass) if rings else 0.0
+        begun = {"coulomb": force, "stiffness": stiffness, "excess": 0.0}
+        found += [
+            begun | {"bend": 0.0, "recovery": 1.0, "damping": damping},
+            begun | {"bend": 2.0, "recovery": 0.1, "damping": damping},
+            begun | {"distributed": 1.0},
+        ]
+    return found
 
 
 def idle(values: Values) -> Collection[str]:
-    """Of the part that is not there."""
+    """Of the part that is not there; a damping that has not been begun with stays away."""
     without = {0.0: ("decades", "taper"), 1.0: ("bend", "recovery", "excess")}
-    return without.get(values["distributed"], ())
+    undamped = () if values["damping"] else ("damping",)
+    return (*without.get(values["distributed"], ()), *undamped)
 
 
 def presliding(values: Values) -> float:
@@ -138,8 +155,15 @@ def says(values: Values, scales: Scales) -> str:
 
 
 def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
-    """Ten times stiffer than the rig is just stuck: no recording tells more."""
-    return {"stiffness": (1e-3 * scales.stiffness, 10.0 * scales.stiffness)}
+    """Ten times stiffer than the rig is just stuck: no recording tells more.
+
+    Nor of a damping that alone would keep the rig from ringing.
+    """
+    critical = 2.0 * math.sqrt(scales.stiffness * scales.mass)
+    return {
+        "stiffness": (1e-3 * scales.stiffness, 10.0 * scales.stiffness),
+        "damping": (0.0, critical),
+    }
 
 
 def unusual(values: Values, scales: Scales) -> float:
@@ -164,6 +188,7 @@ LINK = Link(
         Parameter(
             "recovery", "1", 1.0, 0.0, 2.0, "how soon a slipped bristle softens on the way back"
         ),
+        Parameter("damping", "N*s/m", 0.0, 0.0, 1e6, "of what sticks, while it bends"),
         Parameter("distributed", "1", 0.0, 0.0, 1.0, "share that slips bit by bit", fitted=False),
         Parameter("decades", "1", 0.5, 0.0, 3.0, "decades over which the distances are spread"),
         Parameter("taper", "1", 0.0, -5.0, 3.0, "how much stiffer what slips early is"),

@@ -58,10 +58,15 @@ def starts(scales: Scales) -> Sequence[Values]:
 
     What slips may be about as stiff as the rig: a fit does not get there from a seventh of it.
     """
+    alpha = 0.02 * scales.stiffness
+    ways = (scales.stroke, scales.stroke / 4.0, scales.stroke / 16.0)
     saturating = [
-        {"alpha": 0.02 * scales.stiffness, "beta": beta, "gamma": share * beta}
-        for beta in (1.0 / scales.stroke, 4.0 / scales.stroke, 16.0 / scales.stroke)
+        {"alpha": alpha, "beta": 1.0 / way, "gamma": share / way}
+        for way in ways
         for share in (-0.6, 0.0, 0.6)
+    ]
+    saturating += [
+        {"alpha": alpha, "beta": 1.0 / (alpha * way**2), "gamma": 0.0, "n": 2.0} for way in ways
     ]
     slipping = [
         {

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from microgripper_control.core.signals import Array
+from microgripper_control.effects.base import Scales
 from microgripper_control.effects.mechanics.friction import law
 from microgripper_control.effects.registry import registry
 from microgripper_control.effects.slipping_springs import SPRINGS
@@ -85,14 +86,18 @@ def test_a_faster_way_is_the_same_way(paper: Model) -> None:
 
 
 @pytest.mark.parametrize(
-    ("rig", "stiffness", "excess", "shape", "tolerance"),
+    ("rig", "stiffness", "excess", "shape", "damped", "tolerance"),
     [
-        ("paper", 0.4, 0.0, (0.0, 1.0), (0.02, 0.02, 0.01, 0.1)),
-        ("paper", 2.0, 0.5, (0.0, 1.0), (0.02, 0.04, 0.02, 0.1)),
-        ("slow", 0.4, 0.0, (0.0, 1.0), (1e-3, 1e-3, 1e-3, 1e-3)),
-        ("slow", 2.0, 0.5, (0.0, 1.0), (1e-3, 1e-3, 1e-3, 1e-3)),
-        ("slow", 2.0, 0.0, (3.0, 0.0), (1e-3, 1e-3, 1e-3, 1e-3)),
-        ("slow", 2.0, 0.5, (1.0, 0.4), (1e-3, 1e-3, 1e-3, 1e-3)),
+        ("paper", 0.4, 0.0, (0.0, 1.0), 0.0, (0.02, 0.02, 0.01, 0.1)),
+        ("paper", 2.0, 0.5, (0.0, 1.0), 0.0, (0.02, 0.04, 0.02, 0.1)),
+        ("slow", 0.4, 0.0, (0.0, 1.0), 0.0, (1e-3, 1e-3, 1e-3, 1e-3)),
+        ("slow", 2.0, 0.5, (0.0, 1.0), 0.0, (1e-3, 1e-3, 1e-3, 1e-3)),
+        ("slow", 2.0, 0.0, (3.0, 0.0), 0.0, (1e-3, 1e-3, 1e-3, 1e-3)),
+        ("slow", 2.0, 0.5, (1.0, 0.4), 0.0, (1e-3, 1e-3, 1e-3, 1e-3)),
+        ("slow", 0.4, 0.0, (0.0, 1.0), 0.3, (3e-3, 4e-3, 1e-3, 1e-3)),
+        ("slow", 2.0, 0.5, (1.0, 0.4), 0.3, (0.01, 0.02, 0.02, 0.01)),
+        ("slow", 2.0, 0.0, (3.0, 0.0), 1.0, (0.01, 0.015, 1e-3, 1e-3)),
+        ("paper", 0.4, 0.0, (0.0, 1.0), 0.3, (0.04, 0.04, 0.01, 0.1)),
     ],
 )
 def test_it_meets_an_integrator(
@@ -100,13 +105,16 @@ def test_it_meets_an_integrator(
     stiffness: float,
     excess: float,
     shape: tuple[float, float],
+    damped: float,
     tolerance: tuple[float, ...],
     agreement: Callable[..., list[float]],
     request: pytest.FixtureRequest,
 ) -> None:
     model: Model = request.getfixturevalue(rig)
-    k, scale = model.value("second_order", "k"), 1e-2
+    s, scale = model.values("second_order"), 1e-2
+    k = s["k"]
     values = {"coulomb": 2e-7 * k, "stiffness": stiffness * k}
+    values["damping"] = damped * np.sqrt(values["stiffness"] * s["m"])
     bend, recovery = shape
     values |= {"excess": excess, "stribeck_speed": scale, "bend": bend, "recovery": recovery}
 
@@ -114,7 +122,7 @@ def test_it_meets_an_integrator(
         (f,) = own
         r = np.sign(v) * f / (values["coulomb"] * (1.0 + excess / (1.0 + (v / scale) ** 2)))
         share = 1.0 - recovery * r if r < 0.0 else (1.0 - r) * (1.0 + bend * r)
-        return -f, [values["stiffness"] * v * share]
+        return -f - values["damping"] * v * share, [values["stiffness"] * v * share]
 
     errors = agreement(model, LINK, values, force, 1)
     assert np.all(np.array(errors) < tolerance), errors
@@ -144,7 +152,7 @@ def test_slipping_bit_by_bit_it_ends_at_coulombs_force(
     given = registry()[LINK].force
     assert given is not None
     c = np.array(given.coefficients(paper.with_link(LINK, **values).values(LINK)))
-    limits = c[7 : 7 + SPRINGS]
+    limits = c[8 : 8 + SPRINGS]
     first, whole = limits.min(), limits.max()
     before, after = np.zeros(1 + SPRINGS), np.zeros(1 + SPRINGS)
     assert law(c, before, after, 0.0, 0.5 * first, 1.0, 1.0) == pytest.approx(
@@ -181,3 +189,28 @@ def test_planted_values_are_found(
     found, errors = recover(rig, LINK, {"coulomb": 30.0, "stiffness": 1e7}, lively, 1e-3)
     assert np.all(np.abs(found - truth) < 4.0 * errors)
     assert np.all(errors < 0.2 * truth)
+
+
+def test_a_planted_damping_is_found(
+    slow: Model, lively: Array, recover: Callable[..., tuple[Array, Array]]
+) -> None:
+    """A rig that rings from sample to sample shows what the bristle takes from the ringing."""
+    truth = np.array([0.3, 1e5, 1.0])
+    values = dict(zip(("coulomb", "stiffness", "damping"), truth, strict=True))
+    start = {"coulomb": 0.2, "stiffness": 1.5e5, "damping": 2.0}
+    shape = {"excess": 0.0, "bend": 2.0, "recovery": 0.1}
+    found, errors = recover(slow.with_link(LINK, **values, **shape), LINK, start, lively, 1e-3)
+    assert np.all(np.abs(found - truth) < 4.0 * errors)
+    assert np.all(errors < 0.1 * truth)
+
+
+@pytest.mark.parametrize(("rig", "period", "seen"), [("paper", 1e-3, 0), ("slow", 1e-3, 6)])
+def test_damping_is_asked_where_ringing_lasts(
+    rig: str, period: float, seen: int, request: pytest.FixtureRequest
+) -> None:
+    model: Model = request.getfixturevalue(rig)
+    s = model.values("second_order")
+    scales = Scales(period, 10.0, (0.0, 160.0), 1e3, (0.0, 2e-5), s["k"] + s["k_s"], s["m"])
+    link = registry()[LINK]
+    given = [model.with_link(LINK, **start).values(LINK) for start in link.starts(scales)]
+    assert sum("damping" not in link.idle(values) for values in given) == seen

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from microgripper_control.core.signals import Array
 from microgripper_control.effects.base import Scales, Values
 from microgripper_control.effects.material.bouc_wen import advance
-from microgripper_control.effects.mechanics.restoring_force_hysteresis import law
+from microgripper_control.effects.mechanics.restoring_force_hysteresis import law, memory
 from microgripper_control.effects.registry import link_named
 from microgripper_control.effects.slipping_springs import SPRINGS
 from microgripper_control.plant.model import Model
@@ -157,6 +157,17 @@ def test_planted_values_are_found(
     found, errors = recover(rig, LINK, start, lively, 1e-3)
     assert np.all(np.abs(found - truth) < 4.0 * errors)
     assert errors[0] < 0.1 * truth[0]
+
+
+def test_each_first_guess_remembers_as_far_as_it_was_meant_to(paper: Model) -> None:
+    """Whatever the exponent: over the stroke, a quarter of it or a sixteenth."""
+    scales = Scales(1e-3, 10.0, (0.0, 160.0), 1e3, (0.0, 2e-5), 5e7, 0.0038)
+    ways = set()
+    for start in link_named(LINK).starts(scales):
+        values = paper.with_link(LINK, **start).values(LINK)
+        if values["n"] == 2.0:
+            ways.add(round(memory(values) / scales.stroke, 9))
+    assert ways == {1.0, 0.25, 0.0625}
 
 
 SLIPPING = {"alpha": 4e6, "distributed": 1.0, "widest": 8e-6}
