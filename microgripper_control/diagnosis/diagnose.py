@@ -29,7 +29,7 @@ from microgripper_control.diagnosis.fits.hold_check import hold_warnings
 from microgripper_control.diagnosis.fits.identified_model import identified
 from microgripper_control.diagnosis.fits.trial import Trial, judged
 from microgripper_control.diagnosis.fits.unseen import unseen_gap, unseen_warning
-from microgripper_control.diagnosis.search.exploration import explore
+from microgripper_control.diagnosis.search.exploration import alone, together
 from microgripper_control.diagnosis.search.finishing import refined
 from microgripper_control.diagnosis.search.pool import Pool
 from microgripper_control.diagnosis.search.refit import nominal_trial, refits
@@ -127,7 +127,7 @@ def diagnose(
         nominal=nominal,
         refit=refit.model,
         model=given.model,
-        conditions=pool.evidence.conditions,
+        conditions=whole.conditions,
         judged=_judged(explored.whole, before, refit, best),
         shares=_shares(pool, given.effects, best),
         warnings=(*readings, *explored.warnings, *hold_warnings(pool.evidence, refit)),
@@ -135,14 +135,23 @@ def diagnose(
 
 
 def _explored(whole: Evidence, names: Sequence[str], progress: Progress, jobs: int) -> _Explored:
-    """Try the effects; a gap that only the held-out recordings show is fitted on half of them."""
+    """Try the effects; a gap that only shows where it is judged is fitted on half of that.
+
+    Of blocks that goes for what the best effect leaves as well: it may hide where a second shows.
+    """
     warnings: list[str] = []
     lean, before, refitted = _without_effects(whole)
     if unseen_gap(whole, refitted[0]):
-        warnings.append(unseen_warning(refitted[0]))
+        warnings.append(unseen_warning(whole, refitted[0]))
         whole = whole.joined()
         lean, before, refitted = _without_effects(whole)
-    pool = explore(lean, before, refitted, names, progress, jobs)
+    pool = alone(lean, before, refitted, names, progress, jobs)
+    if not warnings and not whole.separate and unseen_gap(pool.evidence, pool.least):
+        warnings.append(unseen_warning(whole, pool.least))
+        whole = whole.joined()
+        lean, before, refitted = _without_effects(whole)
+        pool = alone(lean, before, refitted, names, progress, jobs)
+    together(pool, names, progress, jobs)
     return _Explored(whole, lean, before, pool, warnings)
 
 

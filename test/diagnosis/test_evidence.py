@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.diagnosis.data.evidence import STRETCH, Evidence
+from microgripper_control.diagnosis.fits.trial import Trial, moved, unfitted
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.model import nominal_model
 from microgripper_control.plant.simulate import Initial, simulate
@@ -14,16 +17,16 @@ from microgripper_control.plant.simulate import Initial, simulate
 PERIOD = 1e-3
 
 
-def recording(name: str, samples: int) -> Recording:
+def recording(name: str, samples: int, initial: Initial) -> Recording:
     voltage = 75.0 - 70.0 * np.cos(2.0 * np.pi * 0.9 * PERIOD * np.arange(samples))
-    answer = simulate(nominal_model(), voltage, PERIOD, initial=Initial.FIRST_SAMPLE)
+    answer = simulate(nominal_model(), voltage, PERIOD, initial=initial)
     return Recording(name, PERIOD, voltage, answer)
 
 
-def gathered(separate: bool) -> Evidence:
-    runs = [recording("long", 90_000), recording("short", 30_000)]
-    others = [recording("held out", 60_000)] if separate else []
-    return Evidence.gather(runs, others, Conditions(), nominal_model())
+def gathered(separate: bool, initial: Initial = Initial.FIRST_SAMPLE) -> Evidence:
+    runs = [recording("long", 90_000, initial), recording("short", 30_000, initial)]
+    others = [recording("held out", 60_000, initial)] if separate else []
+    return Evidence.gather(runs, others, Conditions(initial=initial), nominal_model())
 
 
 @pytest.mark.parametrize("separate", [True, False])
@@ -57,6 +60,22 @@ def test_of_joined_recordings_no_sample_is_both_fitted_and_judged() -> None:
     assert np.count_nonzero(judging) > 0.4 * len(fitted)
 
 
+def test_of_joined_blocks_half_of_what_judged_judges_on() -> None:
+    """No sample is both fitted and judged, none near what judges is fitted, and ends are fitted."""
+    whole = gathered(False)
+    joined = whole.joined()
+    assert joined.fitted == joined.judged == whole.fitted
+    before, after = (evidence.predictions(whole.nominal) for evidence in (whole, joined))
+    for fitted, (_, judged), (_, judging) in zip(joined.used, before, after, strict=True):
+        length = len(fitted)
+        assert not np.any(judging & ~judged)
+        assert np.count_nonzero(judging) == pytest.approx(0.25 * length, abs=10)
+        assert np.count_nonzero(fitted) > 0.55 * length
+        near = np.convolve(judging, np.ones(length // 110), mode="same") > 0.5
+        assert not np.any(fitted & near)
+        assert fitted[-1]
+
+
 def test_what_is_short_enough_stays_as_it_is() -> None:
     whole = gathered(True)
     assert whole.lean() is whole
@@ -69,3 +88,14 @@ def test_pieces_are_recordings_of_their_own() -> None:
     assert all(len(mask) == len(run) for mask, run in zip(pieces.used, pieces.fitted, strict=True))
     assert all(len(m) == len(run) for m, run in zip(pieces.compared, pieces.judged, strict=True))
     assert {run.name for run in pieces.fitted} == {"long", "short"}
+
+
+@pytest.mark.parametrize("separate", [True, False])
+def test_pieces_of_a_run_from_rest_do_not_begin_at_rest(separate: bool) -> None:
+    """From rest, the right model would be off by the hysteresis of the way that was cut off."""
+    whole = gathered(separate, Initial.REST)
+    pieces = whole.pieces(40_000)
+    trial = unfitted(pieces, moved(pieces, Trial(pieces.nominal, (), (), np.inf)))
+    assert trial.fitted_rmse < 1e-9
+    from_rest = replace(pieces, conditions=whole.conditions)
+    assert unfitted(from_rest, moved(from_rest, trial)).fitted_rmse > 2e-8

@@ -1,8 +1,8 @@
 """What a diagnosis may fit and what it is judged on.
 
 With held-out recordings the others are fitted on all of their samples. Without, every recording is
-cut into ten blocks: the odd ones are fitted, the even ones judge, and the samples next to a judged
-block are fitted by nobody, because a residual remembers its neighbours. Either way a judged
+cut into ten blocks: the odd ones are fitted, the even ones judge, and the samples next to what
+judges are fitted by nobody, because a residual remembers its neighbours. Either way a judged
 recording's own values are fitted on its odd blocks and errors are taken on its even ones, as
 `microgripper simulate` does.
 """
@@ -32,7 +32,8 @@ from microgripper_control.plant.model import Model
 from microgripper_control.plant.simulate import Initial
 
 SHORTEST = 100  # samples of a recording: of fewer no noise can be told
-GAP = 0.05  # of a block, on each side of a judged one
+GAP = 0.05  # of a block, on each side of what judges
+STRIPS = 4  # of a block that judges, every other of which may be fitted
 MOST_COMPARED = 300_000  # samples: an explanation takes hundreds of comparisons
 STRETCH, STRETCHES = 1000, 50  # samples in a row where not all are, and the least of such rows
 GOLDEN = 0.6180339887498949
@@ -87,7 +88,18 @@ class Evidence:
         return cls(nominal, fitted, used, judged, _all(judged), conditions, bool(heldout), scales)
 
     def joined(self) -> Evidence:
-        """The same with the odd blocks of the judged recordings fitted; the even ones judge."""
+        """The same with some of what judges fitted as well.
+
+        Of judged recordings these are the odd blocks, while the even ones judge; of blocks that
+        judge it is every other strip.
+        """
+        if not self.separate:
+            lengths = [len(recording) for recording in self.fitted]
+            return replace(
+                self,
+                used=tuple(_away_from_borders(_odd_or_striped(length)) for length in lengths),
+                compared=tuple(~_odd_or_striped(length) for length in lengths),
+            )
         return replace(
             self,
             fitted=(*self.fitted, *self.judged),
@@ -126,7 +138,8 @@ class Evidence:
     def pieces(self, most: int) -> Evidence:
         """The same with about `most` samples to fit and as many that judge.
 
-        Of longer recordings pieces are kept, each as a recording of its own. A period is not cut.
+        Of longer recordings pieces are kept, each as a recording of its own that begins as the rig
+        happened to be, not from rest. A period is not cut.
         """
         if self.conditions.initial is Initial.PERIODIC:
             return self
@@ -139,7 +152,15 @@ class Evidence:
         if not self.separate:
             odd = _used(fitted, False)
             used = tuple(mask & own for mask, own in zip(used, odd, strict=True))
-        return replace(self, fitted=fitted, used=used, judged=judged, compared=compared)
+        conditions = replace(self.conditions, initial=Initial.FIRST_SAMPLE)
+        return replace(
+            self,
+            fitted=fitted,
+            used=used,
+            judged=judged,
+            compared=compared,
+            conditions=conditions,
+        )
 
     def settled(self) -> Evidence:
         """The same without what a hysteresis still owes to the time before each recording."""
@@ -199,15 +220,21 @@ def _used(recordings: Sequence[Recording], separate: bool) -> tuple[Mask, ...]:
     """Of each recording the samples that are fitted."""
     if separate:
         return _all(recordings)
-    return tuple(_fitted_blocks(len(recording)) for recording in recordings)
+    return tuple(_away_from_borders(blocks(len(recording), odd=True)) for recording in recordings)
 
 
-def _fitted_blocks(length: int) -> Mask:
-    """The odd blocks without the samples next to a judged block."""
-    fitted = blocks(length, odd=True)
-    gap = int(GAP * length / BLOCKS)
-    judged = np.flatnonzero(np.diff(fitted.astype(int)))  # the last sample before each border
-    for border in judged:
+def _odd_or_striped(length: int) -> Mask:
+    """The odd blocks, and every other strip of the even ones, the last among them."""
+    strip = np.arange(length) * BLOCKS * STRIPS // length
+    chosen: Mask = (strip // STRIPS % 2 == 0) | (strip % 2 == 1)
+    return chosen
+
+
+def _away_from_borders(chosen: Mask) -> Mask:
+    """Samples to fit without those next to what judges."""
+    fitted: Mask = chosen.copy()
+    gap = int(GAP * len(chosen) / BLOCKS)
+    for border in np.flatnonzero(np.diff(chosen.astype(int))):  # the last sample before each
         fitted[max(0, border + 1 - gap) : border + 1 + gap] = False
     return fitted
 

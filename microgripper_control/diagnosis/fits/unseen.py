@@ -1,7 +1,7 @@
-"""A gap that only the held-out recordings show: a rate, a level, a position the others never reach.
+"""A gap that only what judges shows: a rate, a level, a position that is not reached elsewhere.
 
-What is fitted elsewhere cannot tell its cause. Then the odd blocks of the held-out recordings are
-fitted as well, and the even ones judge.
+What is fitted elsewhere cannot tell its cause. Then a part of what judges is fitted as well, and
+the rest judges (`Evidence.joined`).
 """
 
 from __future__ import annotations
@@ -13,29 +13,34 @@ from microgripper_control.diagnosis.data.noise import quietest, removable
 from microgripper_control.diagnosis.data.residuals import fitted_residuals
 from microgripper_control.diagnosis.fits.trial import Trial
 
-SHOWN = 0.3  # of the gap on the held-out recordings: the others show it if theirs is larger,
+SHOWN = 0.3  # of the gap where it is judged: elsewhere it shows if it is larger there,
+SHOWN_IN_BLOCKS = 0.5  # the same of blocks of one recording, which should be of one kind,
 CLEAR = 3.0  # or if it is more than so many times the noise floor
 REAL = 0.5  # of the noise floor: a smaller gap is not looked for
 
 
-def unseen_gap(evidence: Evidence, refit: Trial) -> bool:
-    """Whether the refitted model fails on the held-out recordings by what the fit never saw."""
-    if not evidence.separate or _samples(evidence) > MOST_SIMULATED:
+def unseen_gap(evidence: Evidence, trial: Trial) -> bool:
+    """Whether a fitted model fails where it is judged by what the fit never saw."""
+    if _samples(evidence) > MOST_SIMULATED:
         return False
-    fitted = fitted_residuals(evidence, refit.model)
+    fitted = fitted_residuals(evidence, trial.model)
     # A large gap, or what each step leaves, lets an innovation seem larger than the noise is.
     usual = quietest([one.error[one.counted] for one in fitted])
-    floor = min(refit.noise_floor, max(usual, rounding(evidence.scales.resolution)))
-    gap, seen = removable(refit.rmse, floor), removable(refit.fitted_rmse, floor)
-    return gap > REAL * floor and seen < min(SHOWN * gap, CLEAR * floor)
+    floor = min(trial.noise_floor, max(usual, rounding(evidence.scales.resolution)))
+    gap, seen = removable(trial.rmse, floor), removable(trial.fitted_rmse, floor)
+    shown = SHOWN if evidence.separate else SHOWN_IN_BLOCKS
+    return gap > REAL * floor and seen < min(shown * gap, CLEAR * floor)
 
 
-def unseen_warning(refit: Trial) -> str:
-    """What the user is told then; `refit` is that to the other recordings alone."""
+def unseen_warning(evidence: Evidence, trial: Trial) -> str:
+    """What the user is told then; both are those before more was fitted."""
+    whose, part = ("recordings", "half of their blocks were")
+    if not evidence.separate:
+        whose, part = ("blocks", "half of each was")
     return (
-        f"only the held-out recordings show the gap: {quantity(refit.rmse, 'm')} are left there, "
-        f"{quantity(refit.fitted_rmse, 'm')} in the others; half of their blocks were fitted, too, "
-        "and the other half judges"
+        f"only the held-out {whose} show the gap: {quantity(trial.rmse, 'm')} are left there, "
+        f"{quantity(trial.fitted_rmse, 'm')} in the others; {part} fitted, too, and the other half "
+        "judges"
     )
 
 

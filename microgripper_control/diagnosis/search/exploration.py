@@ -40,7 +40,7 @@ RIVAL_IF_COSTLY = 0.9  # and what it must with a force that remembers the way,
 RIVAL_IF_SHOWN = 0.5  # or if what the refit leaves shows a sign of it
 
 
-def explore(
+def alone(
     evidence: Evidence,
     nominal: Trial,
     refits: Sequence[Trial],
@@ -48,7 +48,7 @@ def explore(
     progress: Progress = silent,
     jobs: int = -1,
 ) -> Pool:
-    """Try the candidates, alone and together, as far as there is anything to explain.
+    """Try the candidates one at a time.
 
     They are added to the refits, of which the first is the best, and to the nominal model.
     """
@@ -65,13 +65,19 @@ def explore(
     evidence = pool.evidence
     for some in ([name for name in names if name not in (*first, *costly)], costly):
         play(evidence, bases, some, len(some), pool, progress, jobs)
-    pool = again_if_settled(pool, jobs)
+    return again_if_settled(pool, jobs)
+
+
+def together(
+    pool: Pool, candidates: Sequence[str], progress: Progress = silent, jobs: int = -1
+) -> None:
+    """Try the candidates with each other, as far as there is anything left to explain."""
+    names = [name for name in candidates if name not in pool.own]
     fitted = [name for name in names if not is_read_off(name)]
     if _worth_joining(pool, 1):
         _add_further(fitted, pool, progress, jobs)
     _check_backwards(pool)
     _add_chosen(pool, names)
-    return pool
 
 
 def _is_first(name: str, evidence: Evidence, refit: Trial) -> bool:
@@ -142,7 +148,7 @@ def _shown_by(leader: Trial, pool: Pool) -> list[str]:
 
 def _check_backwards(pool: Pool) -> None:
     """Try the best explanation without each of its effects, briefly what was tried before."""
-    best = min([pool.refit, *pool.tried.values()], key=lambda trial: trial.both)
+    best = pool.least
     added = [name for name in best.effects if name not in pool.own]
     if len(added) < 2:
         return

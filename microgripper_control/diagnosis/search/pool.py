@@ -82,6 +82,11 @@ class Pool:
     def _failed(self, effects: frozenset[str], why: str) -> None:
         self.failures["+".join(sorted(effects))] = why
 
+    @property
+    def least(self) -> Trial:
+        """What leaves the least, the refit if no effect takes anything away."""
+        return min([self.refit, *self.tried.values()], key=lambda trial: trial.both)
+
     def best(self, size: int, count: int) -> list[Trial]:
         """The explanations with `size` effects that leave the least, best first."""
         trials = [trial for effects, trial in self.tried.items() if len(effects) == size]
