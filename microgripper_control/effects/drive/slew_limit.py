@@ -1,16 +1,18 @@
 """Bounded rate of the drive voltage: the amplifier's current limit into the stack's capacitance.
 
-    u_s' follows u as fast as it may,        -1 / fall <= u_s' <= 1 / rise
+    u_s' follows u as fast as it may,        -1 / fall <= e^(growth u_s) u_s' <= 1 / rise
     rise = time (1 + asymmetry),             fall = time (1 - asymmetry)
 
-A time per volt is C / i_max: the effect vanishes at zero. Recordings that are fast one way only say
-nothing about the other; the same limit is then assumed both ways. The link stands behind the
-saturation, so that no charge is owed for a command beyond the range, and before the lag of the
-output.
+A time per volt is C / i_max: the effect vanishes at zero. A ferroelectric's capacitance grows with
+the voltage; the limit is one of charge, q = (e^(growth u) - 1) / growth. Recordings that are fast
+one way only say nothing about the other; the same limit is then assumed both ways. The link stands
+behind the saturation, so that no charge is owed for a command beyond the range, and before the lag
+of the output.
 
-Behind held or straight input the voltage at the end of a step is exact, a change of pace inside it
-included. What leaves is taken as straight in between; boundaries ever farther from a jump keep the
-corner sharp at any slew rate, down to where the effect vanishes.
+Behind held input, and behind straight input at growth 0, the voltage at the end of a step is exact,
+a change of pace inside it included; else the charge is taken as straight within a step. What leaves
+is taken as straight in between; boundaries ever farther from a jump keep the corner sharp at any
+slew rate, down to where the effect vanishes.
 """
 
 import math
@@ -18,7 +20,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from microgripper_control.core.compiled import compiled
+from microgripper_control.core.compiled import compiled, inlined
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import number
 from microgripper_control.core.signals import VOLTAGE, Array, Timing
@@ -47,14 +49,29 @@ def breaks(values: Values, sample_period: float) -> set[float]:
     return found
 
 
+@inlined
+def _charge(u: float, growth: float) -> float:
+    """Over the capacitance at 0 V, in V."""
+    return u if growth == 0.0 else math.expm1(growth * u) / growth
+
+
+@inlined
+def _volts(q: float, growth: float) -> float:
+    return q if growth == 0.0 else math.log1p(growth * q) / growth
+
+
 @compiled
 def kernel(coefficients: Array, state: Array, bus: Array) -> None:
-    """State: output and input so far. Rows: V up and down in a step, whether the input is held."""
+    """State: charge of output and input so far.
+
+    Rows: charge up and down in a step, whether the input is held, and the growth.
+    """
     y, old = state[0], state[1]
     steps, row = coefficients.shape[0], 0
     for j in range(bus.shape[1]):
         up, down = coefficients[row, 0], coefficients[row, 1]
-        new = bus[VOLTAGE, j]
+        growth = coefficients[row, 3]
+        new = _charge(bus[VOLTAGE, j], growth)
         begin = new if coefficients[row, 2] == 1.0 else old
         run = new - begin
         # First y makes for the input at full rate; where they meet, it follows as far as it may.
@@ -68,19 +85,21 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
         else:
             y += pace
         old = new
-        bus[VOLTAGE, j] = y
+        bus[VOLTAGE, j] = _volts(y, growth)
         row = row + 1 if row + 1 < steps else 0
     state[0], state[1] = y, old
 
 
 def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     """The levels are left alone: at rest the output has arrived."""
+    growth = values["growth"]
     rows = [
         [step / way if way > 0.0 else math.inf for way in _both_ways(values)]
-        + [float(not timing.ramped)]
+        + [float(not timing.ramped), growth]
         for step in timing.steps
     ]
-    return Prepared(np.array(rows), np.full(2, levels[VOLTAGE]), ramped=True)
+    state = np.full(2, _charge(float(levels[VOLTAGE]), growth))
+    return Prepared(np.array(rows), state, ramped=True)
 
 
 def starts(scales: Scales) -> Sequence[Values]:
@@ -97,7 +116,8 @@ def starts(scales: Scales) -> Sequence[Values]:
 def says(values: Values, scales: Scales) -> str:
     ways = zip(("rises", "falls"), _both_ways(values), strict=True)
     limits = [f"{way} by {number(1.0 / t)} V/s at most" for way, t in ways if t > 0.0]
-    return f"the amplifier is short of current: the voltage {' and '.join(limits)}"
+    at = " at 0 V" if values["growth"] else ""
+    return f"the amplifier is short of current: the voltage {' and '.join(limits)}{at}"
 
 
 LINK = Link(
@@ -109,6 +129,7 @@ LINK = Link(
     parameters=(
         Parameter("time", "s/V", 4e-5, 0.0, 1.0, "shortest time per volt, mean of both ways", 0.0),
         Parameter("asymmetry", "1", 0.0, -1.0, 1.0, "1: only rises are limited, -1: only falls"),
+        Parameter("growth", "1/V", 0.0, -0.02, 0.02, "of the capacitance with the voltage"),
     ),
     prepare=prepare,
     kernel=kernel,

@@ -28,8 +28,12 @@ def test_a_jump_becomes_a_ramp(alone: Alone) -> None:
     np.testing.assert_allclose(down, np.maximum(50.0 - t / FALL, 0.0), rtol=1e-12, atol=1e-12)
 
 
-@pytest.mark.parametrize("ramped", [False, True])
-def test_any_input_is_followed_as_fast_as_allowed(alone: Alone, ramped: bool) -> None:
+@pytest.mark.parametrize(
+    ("ramped", "growth"), [(False, 0.0), (True, 0.0), (False, 0.01), (True, 0.01)]
+)
+def test_any_input_is_followed_as_fast_as_allowed(
+    alone: Alone, ramped: bool, growth: float
+) -> None:
     """The rule itself, in steps a thousand times smaller."""
     signal = np.random.default_rng(2).normal(scale=3.0, size=300).cumsum()
     small, step = 1000, 5e-4
@@ -38,12 +42,28 @@ def test_any_input_is_followed_as_fast_as_allowed(alone: Alone, ramped: bool) ->
     for new in signal:
         for i in range(1, small + 1):
             goal = old + (new - old) * i / small if ramped else new
-            y += min(max(goal - y, -dt / FALL), dt / RISE)
+            easier = np.exp(-growth * y)
+            y += min(max(goal - y, -dt / FALL * easier), dt / RISE * easier)
         expected.append(y)
         old = new
-    out = alone("slew_limit", LIMITS, signal, (step,), ramped=ramped)
-    np.testing.assert_allclose(out, expected, atol=3.0 * dt / RISE)
+    out = alone("slew_limit", LIMITS | {"growth": growth}, signal, (step,), ramped=ramped)
+    straight = growth * np.max(np.abs(np.diff(signal))) ** 2 / 8.0 if ramped else 0.0  # in charge
+    np.testing.assert_allclose(out, expected, atol=3.0 * dt / RISE + straight)
     assert np.std(out - signal) > 0.3  # it did limit
+
+
+@pytest.mark.parametrize("growth", [0.006, -0.004])
+def test_a_capacitance_that_grows_slows_what_is_high(alone: Alone, growth: float) -> None:
+    """i = C0 e^(growth u) du/dt: a closed form upwards and, from 100 V, down."""
+    t = np.cumsum(np.resize(STEPS, 200))
+    limits = LIMITS | {"growth": growth}
+    rising = np.log(np.maximum(1.0 + growth * t / RISE, 1e-3)) / growth
+    full = RISE * np.expm1(100.0 * growth) / growth
+    up = alone("slew_limit", limits, np.full(200, 100.0), STEPS)
+    np.testing.assert_allclose(up, np.where(t < full, rising, 100.0), rtol=1e-12)
+    falling = np.log(np.maximum(np.exp(100.0 * growth) - growth * t / FALL, 1e-3)) / growth
+    down = alone("slew_limit", limits, np.full(200, 0.0), STEPS, level=100.0)
+    np.testing.assert_allclose(down, np.maximum(falling, 0.0), rtol=1e-12, atol=1e-11)
 
 
 def test_one_way_can_be_free(alone: Alone) -> None:
@@ -81,11 +101,12 @@ def test_the_corner_is_drawn_finely_enough(
 def test_a_planted_limit_is_found(
     paper: Model, lively: Array, recover: Callable[..., tuple[Array, Array]]
 ) -> None:
-    truth = [8e-5, -0.3]
-    rig = paper.with_link("slew_limit", time=truth[0], asymmetry=truth[1])
-    found, errors = recover(rig, "slew_limit", {"time": 6e-5, "asymmetry": 0.1}, lively, 1e-3)
+    truth = [8e-5, -0.3, 4e-3]
+    rig = paper.with_link("slew_limit", time=truth[0], asymmetry=truth[1], growth=truth[2])
+    start = {"time": 6e-5, "asymmetry": 0.1, "growth": 1e-3}
+    found, errors = recover(rig, "slew_limit", start, lively, 1e-3)
     assert np.all(np.abs(found - truth) < 4.0 * errors)
-    assert np.all(errors < 0.003 * np.abs(truth))
+    assert np.all(errors < 0.01 * np.abs(truth))
 
 
 def test_limits_that_only_round_a_jump_are_guessed_as_well() -> None:
