@@ -137,7 +137,7 @@ def diagnose(
 def _explored(whole: Evidence, names: Sequence[str], progress: Progress, jobs: int) -> _Explored:
     """Try the effects; a gap that only shows where it is judged is fitted on half of that.
 
-    Of blocks that goes for what the best effect leaves as well: it may hide where a second shows.
+    Of blocks that goes for the effect that fits best as well: it may hide where a second shows.
     """
     warnings: list[str] = []
     lean, before, refitted = _without_effects(whole)
@@ -146,8 +146,8 @@ def _explored(whole: Evidence, names: Sequence[str], progress: Progress, jobs: i
         whole = whole.joined()
         lean, before, refitted = _without_effects(whole)
     pool = alone(lean, before, refitted, names, progress, jobs)
-    if not warnings and not whole.separate and unseen_gap(pool.evidence, pool.least):
-        warnings.append(unseen_warning(whole, pool.least))
+    if not warnings and not whole.separate and unseen_gap(pool.evidence, pool.closest):
+        warnings.append(unseen_warning(whole, pool.closest))
         whole = whole.joined()
         lean, before, refitted = _without_effects(whole)
         pool = alone(lean, before, refitted, names, progress, jobs)

@@ -8,6 +8,7 @@ import pytest
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.data.evidence import Evidence
+from microgripper_control.diagnosis.diagnose import candidate_names, diagnose
 from microgripper_control.diagnosis.fits.trial import Trial
 from microgripper_control.diagnosis.fits.unseen import unseen_gap, unseen_warning
 from microgripper_control.diagnosis.search.refit import nominal_trial, refits
@@ -68,3 +69,16 @@ def test_a_gap_that_shows_where_it_is_fitted_or_none(limited: bool) -> None:
     rig, when = (LIMITED, "fitted block") if limited else (nominal_model(), "judged block")
     evidence = gathered(rig, when)
     assert not unseen_gap(evidence, refit(evidence))
+
+
+@pytest.mark.parametrize("hardening", [0.0, 2e16])
+def test_what_shows_in_one_held_out_block_is_named(hardening: float) -> None:
+    """Alone, and beside an effect that shows everywhere and is the larger one there."""
+    rig = LIMITED.with_link("nonlinear_stiffness", cubic=hardening) if hardening else LIMITED
+    whole = gathered(rig, "judged block")
+    expected = {"slew_limit", "nonlinear_stiffness"} if hardening else {"slew_limit"}
+    others = [name for name in candidate_names() if name not in (*expected, "amplifier_lag")]
+    found = diagnose(nominal_model(), whole.fitted, without=others, jobs=1)
+    assert set(found.effects) == expected
+    assert any("held-out blocks" in line for line in found.warnings)
+    assert found.gap.augmented < 1.3 * NOISE

@@ -87,6 +87,12 @@ class Pool:
         """What leaves the least, the refit if no effect takes anything away."""
         return min([self.refit, *self.tried.values()], key=lambda trial: trial.both)
 
+    @property
+    def closest(self) -> Trial:
+        """What leaves the least where it was fitted, of what does no harm where it is judged."""
+        sound = [trial for trial in self.tried.values() if trial.rmse < self.refit.rmse]
+        return min([self.refit, *sound], key=lambda trial: trial.fitted_rmse)
+
     def best(self, size: int, count: int) -> list[Trial]:
         """The explanations with `size` effects that leave the least, best first."""
         trials = [trial for effects, trial in self.tried.items() if len(effects) == size]
