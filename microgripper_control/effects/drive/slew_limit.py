@@ -29,6 +29,7 @@ from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Val
 JUMPS = (0.5, 256.0)  # V: of what sizes the end of the ramp is drawn well at any slew rate
 GROWTH = 2.0**0.5  # from boundary to boundary after a jump,
 PIECES = 12  # until they are as far apart as this part of a sample period
+FREE = 20.0  # times the fastest change on record: such a limit leaves no trace
 SHARES = (6.0, 3.0, 1.7, 0.95, 0.8, 0.65, 0.5, 0.4, 0.3, 0.22, 0.16, 0.12, 0.09, 0.05, 0.03)
 
 
@@ -114,10 +115,13 @@ def starts(scales: Scales) -> Sequence[Values]:
 
 
 def says(values: Values, scales: Scales) -> str:
-    ways = zip(("rises", "falls"), _both_ways(values), strict=True)
-    limits = [f"{way} by {number(1.0 / t)} V/s at most" for way, t in ways if t > 0.0]
-    at = " at 0 V" if values["growth"] else ""
-    return f"the amplifier is short of current: the voltage {' and '.join(limits)}{at}"
+    """Of both ways only that which is limited, if the other is free to do all that is asked."""
+    ways = [pair for pair in zip(("rises", "falls"), _both_ways(values), strict=True) if pair[1]]
+    tight = [(way, t) for way, t in ways if t * FREE * scales.rate > 1.0] or ways
+    limits = " and ".join(f"{way} by {number(1.0 / t)} V/s at most" for way, t in tight)
+    growth = values["growth"]
+    above = "" if growth == 0.0 else f" at 0 V, and {'less' if growth > 0.0 else 'more'} above"
+    return f"the amplifier is short of current: the voltage {limits}{above}"
 
 
 LINK = Link(

@@ -10,6 +10,7 @@ import pytest
 from microgripper_control.core.signals import Array
 from microgripper_control.effects.base import Scales
 from microgripper_control.effects.drive.slew_limit import starts
+from microgripper_control.effects.registry import link_named
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.simulate import simulate
 
@@ -116,3 +117,21 @@ def test_limits_that_only_round_a_jump_are_guessed_as_well() -> None:
     limits = [1.0 / guess["time"] for guess in starts(scales) if "asymmetry" not in guess]
     assert min(limits) < 0.05 * fastest
     assert max(limits) > 3.0 * fastest
+
+
+@pytest.mark.parametrize(
+    ("asymmetry", "growth", "told"),
+    [
+        (0.0, 0.0, "the voltage rises by 10000 V/s at most and falls by 10000 V/s at most"),
+        (-1.0, 0.0, "the voltage falls by 5000 V/s at most"),
+        (-0.999, 0.002, "the voltage falls by 5000 V/s at most at 0 V, and less above"),
+        (0.999, -0.002, "the voltage rises by 5000 V/s at most at 0 V, and more above"),
+    ],
+)
+def test_it_says_what_is_limited(paper: Model, asymmetry: float, growth: float, told: str) -> None:
+    scales = Scales(1e-3, 10.0, (0.0, 150.0), 2e4, (0.0, 1e-4), 5e7, 0.0038)
+    link = link_named("slew_limit")
+    values = {"time": 1e-4, "asymmetry": asymmetry, "growth": growth}
+    assert link.says is not None
+    said = link.says(paper.with_link("slew_limit", **values).values("slew_limit"), scales)
+    assert said == f"the amplifier is short of current: {told}"
