@@ -134,23 +134,28 @@ def diagnose(
     )
 
 
-def _explored(whole: Evidence, names: Sequence[str], progress: Progress, jobs: int) -> _Explored:
-    """Try the effects; a gap that only shows where it is judged is fitted on half of that.
+def _explored(
+    whole: Evidence,
+    names: Sequence[str],
+    progress: Progress,
+    jobs: int,
+    warnings: Sequence[str] = (),
+) -> _Explored:
+    """Try the effects; a gap that only shows where it is judged is, once, fitted on half of that.
 
     Of blocks that goes for the effect that fits best as well: it may hide where a second shows.
     """
-    warnings: list[str] = []
+
+    def on_more(unseen: Trial) -> _Explored:
+        told = [unseen_warning(whole, unseen)]
+        return _explored(whole.joined(), names, progress, jobs, told)
+
     lean, before, refitted = _without_effects(whole)
-    if unseen_gap(whole, refitted[0]):
-        warnings.append(unseen_warning(whole, refitted[0]))
-        whole = whole.joined()
-        lean, before, refitted = _without_effects(whole)
+    if not warnings and unseen_gap(whole, refitted[0]):
+        return on_more(refitted[0])
     pool = alone(lean, before, refitted, names, progress, jobs)
     if not warnings and not whole.separate and unseen_gap(pool.evidence, pool.closest):
-        warnings.append(unseen_warning(whole, pool.closest))
-        whole = whole.joined()
-        lean, before, refitted = _without_effects(whole)
-        pool = alone(lean, before, refitted, names, progress, jobs)
+        return on_more(pool.closest)
     together(pool, names, progress, jobs)
     return _Explored(whole, lean, before, pool, warnings)
 

@@ -94,11 +94,11 @@ class Evidence:
         judge it is every other strip.
         """
         if not self.separate:
-            lengths = [len(recording) for recording in self.fitted]
+            shared = [_odd_or_striped(len(recording)) for recording in self.fitted]
             return replace(
                 self,
-                used=tuple(_away_from_borders(_odd_or_striped(length)) for length in lengths),
-                compared=tuple(~_odd_or_striped(length) for length in lengths),
+                used=tuple(_away_from_borders(mask) for mask in shared),
+                compared=tuple(~mask for mask in shared),
             )
         return replace(
             self,

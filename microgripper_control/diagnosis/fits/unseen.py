@@ -34,9 +34,9 @@ def unseen_gap(evidence: Evidence, trial: Trial) -> bool:
 
 def unseen_warning(evidence: Evidence, trial: Trial) -> str:
     """What the user is told then; both are those before more was fitted."""
-    whose, part = ("recordings", "half of their blocks were")
-    if not evidence.separate:
-        whose, part = ("blocks", "half of each was")
+    whose, part = "blocks", "half of each was"
+    if evidence.separate:
+        whose, part = "recordings", "half of their blocks were"
     return (
         f"only the held-out {whose} show the gap: {quantity(trial.rmse, 'm')} are left there, "
         f"{quantity(trial.fitted_rmse, 'm')} in the others; {part} fitted, too, and the other half "

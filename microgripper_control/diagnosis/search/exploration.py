@@ -148,7 +148,7 @@ def _shown_by(leader: Trial, pool: Pool) -> list[str]:
 
 def _check_backwards(pool: Pool) -> None:
     """Try the best explanation without each of its effects, briefly what was tried before."""
-    best = pool.least
+    best = min([pool.refit, *pool.tried.values()], key=lambda trial: trial.both)
     added = [name for name in best.effects if name not in pool.own]
     if len(added) < 2:
         return

@@ -83,11 +83,6 @@ class Pool:
         self.failures["+".join(sorted(effects))] = why
 
     @property
-    def least(self) -> Trial:
-        """What leaves the least, the refit if no effect takes anything away."""
-        return min([self.refit, *self.tried.values()], key=lambda trial: trial.both)
-
-    @property
     def closest(self) -> Trial:
         """What leaves the least where it was fitted, of what does no harm where it is judged."""
         sound = [trial for trial in self.tried.values() if trial.rmse < self.refit.rmse]

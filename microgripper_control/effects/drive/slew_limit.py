@@ -20,7 +20,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from microgripper_control.core.compiled import compiled, inlined
+from microgripper_control.core.compiled import compiled
+from microgripper_control.core.exponential import before_growth, grown
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import number
 from microgripper_control.core.signals import VOLTAGE, Array, Timing
@@ -50,20 +51,9 @@ def breaks(values: Values, sample_period: float) -> set[float]:
     return found
 
 
-@inlined
-def _charge(u: float, growth: float) -> float:
-    """Over the capacitance at 0 V, in V."""
-    return u if growth == 0.0 else math.expm1(growth * u) / growth
-
-
-@inlined
-def _volts(q: float, growth: float) -> float:
-    return q if growth == 0.0 else math.log1p(growth * q) / growth
-
-
 @compiled
 def kernel(coefficients: Array, state: Array, bus: Array) -> None:
-    """State: charge of output and input so far.
+    """State: charge of output and input so far, over the capacitance at 0 V, in V.
 
     Rows: charge up and down in a step, whether the input is held, and the growth.
     """
@@ -72,7 +62,7 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
     for j in range(bus.shape[1]):
         up, down = coefficients[row, 0], coefficients[row, 1]
         growth = coefficients[row, 3]
-        new = _charge(bus[VOLTAGE, j], growth)
+        new = grown(bus[VOLTAGE, j], growth)
         begin = new if coefficients[row, 2] == 1.0 else old
         run = new - begin
         # First y makes for the input at full rate; where they meet, it follows as far as it may.
@@ -86,7 +76,7 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
         else:
             y += pace
         old = new
-        bus[VOLTAGE, j] = _volts(y, growth)
+        bus[VOLTAGE, j] = before_growth(y, growth)
         row = row + 1 if row + 1 < steps else 0
     state[0], state[1] = y, old
 
@@ -99,7 +89,7 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
         + [float(not timing.ramped), growth]
         for step in timing.steps
     ]
-    state = np.full(2, _charge(float(levels[VOLTAGE]), growth))
+    state = np.full(2, grown(float(levels[VOLTAGE]), growth))
     return Prepared(np.array(rows), state, ramped=True)
 
 

@@ -29,6 +29,7 @@ from collections.abc import Collection, Mapping, Sequence
 import numpy as np
 
 from microgripper_control.core.compiled import compiled
+from microgripper_control.core.exponential import grown
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import percent, quantity
 from microgripper_control.core.signals import FREE, HYSTERESIS, VOLTAGE, Array, Timing
@@ -36,12 +37,6 @@ from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Val
 from microgripper_control.effects.widening_plays import PLAYS, at_rest, move_plays
 
 LONGEST = 0.02  # of the longest recording
-
-
-@compiled
-def grown(x: float, power: float) -> float:
-    """(e^(power x) - 1) / power, x at power 0."""
-    return math.expm1(power * x) / power if power != 0.0 else x
 
 
 @compiled
