@@ -16,6 +16,7 @@ import enum
 import math
 from dataclasses import dataclass
 
+from microgripper_control.core.exponential import before_growth
 from microgripper_control.effects.base import Values
 
 
@@ -121,8 +122,8 @@ def _travel(values: Values, start: float, end: float) -> float:
     """The travel of the voltage, V, in which g goes from `start` <= 0 to `end` >= 0, m."""
     a, n = values["alpha"] * values["d"], values["n"]
     above, below = values["beta"] + values["gamma"], values["beta"] - values["gamma"]
-    if n == 1.0:
-        return _way(a, below, -start) + _way(a, -above, end)
+    if n == 1.0:  # the integral of dq/(a + c q) from 0 to g is ln(1 + c g/a)/c
+        return before_growth(-start / a, below) + before_growth(end / a, -above)
     from scipy.integrate import quad  # takes 0.2 s to import: not for a node
 
     size = max(-start, end)
@@ -130,8 +131,3 @@ def _travel(values: Values, start: float, end: float) -> float:
     falling = quad(lambda q: size / (a + below * (size * q) ** n), 0.0, -start / size)[0]
     rising = quad(lambda q: size / (a - above * (size * q) ** n), 0.0, end / size)[0]
     return float(falling + rising)
-
-
-def _way(a: float, c: float, size: float) -> float:
-    """The integral of dq/(a + c q) from 0 to `size`."""
-    return math.log1p(c * size / a) / c if c != 0.0 else size / a

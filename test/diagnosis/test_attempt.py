@@ -68,3 +68,22 @@ def test_what_a_part_shows_is_fitted_to_all() -> None:
         _, trial, why = attempt(evidence, bases, "contact", Scrutiny(2000, 2, hopeless, left))
         assert trial is not None, why
         assert trial.fitted_rmse < 0.5 * left
+
+
+def test_on_a_part_that_hides_some_of_the_gap_the_same_share_of_it_is_hopeless() -> None:
+    """Half of what is above the floor on the whole is half of what is above it there."""
+    floor, whole, part = 15e-9, 39e-9, 25e-9
+
+    def half(of: float) -> float:
+        return math.hypot(floor, 0.5 * math.sqrt(of**2 - floor**2))
+
+    scrutiny = Scrutiny(2000, hopeless=half(whole), known=floor)
+    assert scrutiny.where_shown(whole, part).hopeless == pytest.approx(half(part))
+    assert scrutiny.where_shown(whole, whole).hopeless == pytest.approx(half(whole))
+    assert scrutiny.where_shown(whole, 0.9 * floor).hopeless == pytest.approx(floor)
+
+
+@pytest.mark.parametrize("hopeless", [30e-9, math.inf])
+def test_where_the_base_itself_is_not_hopeless_nothing_changes(hopeless: float) -> None:
+    scrutiny = Scrutiny(2000, hopeless=hopeless, known=15e-9)
+    assert scrutiny.where_shown(25e-9, 20e-9) == scrutiny

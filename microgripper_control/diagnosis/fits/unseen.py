@@ -45,4 +45,6 @@ def unseen_warning(evidence: Evidence, trial: Trial) -> str:
 
 
 def _samples(evidence: Evidence) -> int:
-    return sum(len(recording) for recording in (*evidence.fitted, *evidence.judged))
+    """How many samples there are; blocks that judge are of recordings that are fitted as well."""
+    each = {id(recording): len(recording) for recording in (*evidence.fitted, *evidence.judged)}
+    return sum(each.values())

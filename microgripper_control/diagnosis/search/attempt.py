@@ -15,6 +15,7 @@ import numpy as np
 from microgripper_control.core.quantities import quantity
 from microgripper_control.diagnosis.data.evidence import Evidence, rms
 from microgripper_control.diagnosis.data.grid import refuted
+from microgripper_control.diagnosis.data.noise import removable
 from microgripper_control.diagnosis.fits.fitting import Base, begun, extend, fit_on, half_way
 from microgripper_control.diagnosis.fits.trial import Trial, judged, moved, unfitted
 from microgripper_control.diagnosis.search.finishing import refined
@@ -47,6 +48,17 @@ class Scrutiny(NamedTuple):
     known: float = 0.0  # m, what the best of the others leaves
     alone: Sequence[Values] = ()  # what an effect that joins others was by itself
 
+    def where_shown(self, base: float, shown: float) -> Scrutiny:
+        """The same for a part that leaves `shown`, m, where the whole leaves the base: its share.
+
+        Stretches with a zero of their own hide some of a gap. What leaves as great a share of what
+        they show as is hopeless on the whole is as hopeless there.
+        """
+        if not base > self.hopeless:
+            return self
+        share = removable(self.hopeless, self.known) / removable(base, self.known)
+        return self._replace(hopeless=math.hypot(self.known, share * removable(shown, self.known)))
+
 
 def attempt(
     evidence: Evidence, bases: Sequence[Base], name: str, scrutiny: Scrutiny
@@ -75,6 +87,8 @@ def _attempt(
             return None, f"readings on steps of {quantity(step, 'm')} could not follow so closely"
         return behind(evidence, bases[0].trial, name), ""
     part, anchors = on_a_part(evidence, bases, name, scrutiny.samples)
+    shown = rms([anchors[0].residual])
+    scrutiny = scrutiny.where_shown(bases[0].trial.fitted_rmse, shown)
     found = _from_all_starts(part, anchors, name, scrutiny)
     if not found:
         return None, "no start could be fitted"
@@ -98,10 +112,12 @@ def _from_all_starts(
     samples = sum(int(np.count_nonzero(used)) for used in part.used)
     wanted = min(scrutiny.starts, max(STARTS, ENOUGH // samples))
     starts = guesses(part, anchors, name, wanted, scrutiny.alone)
+    alone = not anchors[0].trial.effects
     too_far = FAR_OFF * scrutiny.hopeless
+    if alone and math.isfinite(too_far):
+        too_far = min(too_far, LITTLE_TAKEN * rms([anchors[0].residual]))
     fits = [_fit_from(part, start, name, too_far) for start in starts]
     found = [fit for fit in fits if fit is not None and np.isfinite(fit.fitted_rmse)]
-    alone = not anchors[0].trial.effects
     near = any(fit.fitted_rmse < too_far for fit in found)
     if alone and near and any(is_costly(part, fit.model) for fit in found):
         found += [fit_on(part, fit, ROUGH, COSTLY_STEPS) for fit in best_of_each_kind(found, name)]
