@@ -12,7 +12,12 @@ from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.fits.fitting import Base, base_of
 from microgripper_control.diagnosis.fits.trial import Trial
 from microgripper_control.diagnosis.search import attempt as attempts
-from microgripper_control.diagnosis.search.attempt import Scrutiny, attempt, best_of_each_kind
+from microgripper_control.diagnosis.search.attempt import (
+    Scrutiny,
+    attempt,
+    best_of_each_kind,
+    promise,
+)
 from microgripper_control.diagnosis.search.refit import nominal_trial, refit_trial
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.model import Model, nominal_model
@@ -87,3 +92,16 @@ def test_on_a_part_that_hides_some_of_the_gap_the_same_share_of_it_is_hopeless()
 def test_where_the_base_itself_is_not_hopeless_nothing_changes(hopeless: float) -> None:
     scrutiny = Scrutiny(2000, hopeless=hopeless, known=15e-9)
     assert scrutiny.where_shown(25e-9, 20e-9) == scrutiny
+
+
+def test_a_promise_on_stretches_is_none_of_what_their_own_beginning_takes() -> None:
+    """A gain that falls in the course of a recording is no contact."""
+    paper, period = nominal_model(), 1e-3
+    t = period * np.arange(30_000)
+    voltage = 70.0 - 60.0 * np.cos(2.0 * np.pi * 1.3 * t)
+    shown = simulate(paper, voltage, period) * (1.0 - 2e-3 * t)
+    noise = np.random.default_rng(4).normal(0.0, 10e-9, len(t))
+    recording = Recording("run", period, voltage, shown + noise)
+    evidence = Evidence.gather([recording], [recording], Conditions(), paper)
+    bases = [base_of(evidence, refit_trial(evidence, nominal_trial(evidence, paper)))]
+    assert promise(evidence, bases, "contact", ())[1] > 0.8

@@ -42,6 +42,60 @@ def test_on_settled_evidence_no_effect_is_tried_beside_itself(
     assert all(name not in effects for name, effects in tried)
 
 
+def test_in_the_place_of_one_of_two_is_tried_what_explains_as_much_alone(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of a rail and creep, contact may come nearest at first, and finds creep: not the rail."""
+    closed = {
+        ("contact",): 0.50,
+        ("saturation",): 0.48,
+        ("nonlinear_stiffness",): 0.40,
+        ("creep",): 0.45,
+        ("contact", "creep"): 0.90,
+    }
+    tried = {frozenset(e): SimpleNamespace(effects=e, model=None) for e in closed}
+    played: list[tuple[str, str]] = []
+
+    def play(evidence: object, bases: Any, names: list[str], *given: object) -> None:  # noqa: ANN401
+        played.extend((bases[0].effects[0], name) for name in names)
+
+    monkeypatch.setattr(exploration, "is_costly", lambda evidence, model: False)
+    monkeypatch.setattr(exploration, "base_of", lambda evidence, trial: trial)
+    monkeypatch.setattr(exploration, "play", play)
+    pool: Any = SimpleNamespace(
+        evidence=None,
+        own=frozenset(),
+        tried=tried,
+        closed=lambda trial: closed[trial.effects],
+        best=lambda size, count: sorted(
+            (t for e, t in tried.items() if len(e) == size), key=lambda t: -closed[t.effects]
+        )[:count],
+    )
+    names = ["contact", "saturation", "nonlinear_stiffness", "creep"]
+    exploration._exchange(names, pool, lambda *done: None, 1)
+    assert played == [("creep", "saturation"), ("contact", "saturation")]
+    closed["contact", "creep"] = 0.60  # a second effect that adds little is not worth it
+    played.clear()
+    exploration._exchange(names, pool, lambda *done: None, 1)
+    assert not played
+
+
+def test_what_would_leave_nearly_all_is_not_fitted_unless_it_is_strong_or_shows(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    left = {"creep": 0.3, "contact": 0.97, "friction": 0.99, "mains_hum": 1.0, "backlash": np.inf}
+
+    def promise(evidence: object, bases: object, name: str, alone: object) -> tuple[str, float]:
+        return name, left[name]
+
+    monkeypatch.setattr(rounds, "promise", promise)
+    strongest = SimpleNamespace(effects=("friction",))
+    pool: Any = SimpleNamespace(tried={}, best=lambda size, count: [strongest])
+    nothing: Any = None
+    ways = rounds._promising(nothing, nothing, list(left), ["mains_hum"], pool, 1)
+    assert ways == ["friction", "mains_hum", "creep"]
+
+
 def test_an_effect_that_shows_may_lead_from_further_behind(monkeypatch: pytest.MonkeyPatch) -> None:
     """A play and a warm-up: creep from before the recordings comes nearest to both of them."""
     monkeypatch.setattr(exploration, "is_costly", lambda evidence, model: False)

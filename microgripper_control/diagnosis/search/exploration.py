@@ -35,6 +35,8 @@ SECONDS, SECONDS_IF_COSTLY = 7, 3  # second effects that are fitted, the most pr
 THIRDS = 3  # and third ones
 UNCLOSED_IF_COSTLY = 0.25  # of the gap: what asks for an effect beside a costly force, a minute
 FAIR_PART = 0.2  # of the gap; two independent effects of one size close 0.3 of it each
+ALIKE = 0.9  # of what an effect closes alone: what closes as much may be meant in its place,
+EXCHANGED = 2  # so many at most
 RIVAL = 0.7  # of what the best closes: what the second must close to be a leader as well,
 RIVAL_IF_COSTLY = 0.9  # and what it must with a force that remembers the way,
 RIVAL_IF_SHOWN = 0.5  # or if what the refit leaves shows a sign of it
@@ -76,6 +78,7 @@ def together(
     fitted = [name for name in names if not is_read_off(name)]
     if _worth_joining(pool, 1):
         _add_further(fitted, pool, progress, jobs)
+    _exchange(fitted, pool, progress, jobs)
     _check_backwards(pool)
     _add_chosen(pool, names)
 
@@ -109,7 +112,13 @@ def _worth_joining(pool: Pool, size: int) -> bool:
         return pool.closed(best[0]) > FAIR_PART
     if is_costly(pool.evidence, best[0].model):
         return False  # a third effect beside such a force would take minutes
-    return pool.closed(best[0]) - pool.closed(pool.best(size - 1, 1)[0]) > FAIR_PART
+    return _adds_much(best[0], pool)
+
+
+def _adds_much(trial: Trial, pool: Pool) -> bool:
+    """Whether an explanation closes a fair part of the gap more than any with an effect less."""
+    size = len(frozenset(trial.effects) - pool.own)
+    return pool.closed(trial) - pool.closed(pool.best(size - 1, 1)[0]) > FAIR_PART
 
 
 def _may_lead(leader: Trial, pool: Pool, size: int, shown: Set[str]) -> bool:
@@ -138,6 +147,36 @@ def _join(leader: Trial, names: Sequence[str], pool: Pool, progress: Progress, j
     ]
     shown = _shown_by(leader, pool)
     play(evidence, [base_of(evidence, leader)], rest, most, pool, progress, jobs, shown)
+
+
+def _exchange(names: Sequence[str], pool: Pool, progress: Progress, jobs: int) -> None:
+    """Try in the place of each of the best two effects what explained about as much alone.
+
+    Which of them led was chosen without the other, whose part of the gap misled both.
+    """
+    for best in pool.best(2, 1):
+        if not _adds_much(best, pool):
+            return
+        pair = frozenset(best.effects) - pool.own
+        for name in sorted(pair):
+            kept, replaced = (pool.tried.get(one) for one in (pair - {name}, frozenset([name])))
+            if kept and replaced:
+                alike = _alike(replaced, kept, names, pool)
+                base = base_of(pool.evidence, kept)
+                play(pool.evidence, [base], alike, len(alike), pool, progress, jobs)
+
+
+def _alike(replaced: Trial, kept: Trial, names: Sequence[str], pool: Pool) -> list[str]:
+    """Effects that close alone about what `replaced` does and were not tried beside `kept`."""
+    least = ALIKE * pool.closed(replaced)
+    found = []
+    for trial in pool.best(1, len(pool.tried)):
+        (name,) = frozenset(trial.effects) - pool.own
+        tried = frozenset([name, *kept.effects]) - pool.own in pool.tried
+        cheap = name in names and not is_costly(pool.evidence, trial.model)
+        if cheap and not tried and pool.closed(trial) >= least:
+            found.append(name)
+    return found[:EXCHANGED]
 
 
 def _shown_by(leader: Trial, pool: Pool) -> list[str]:

@@ -30,6 +30,7 @@ from microgripper_control.effects.registry import registry
 
 RUNNERS_UP = 2  # of the promising: those that explain most by themselves,
 SHOWN = 2  # and those of which what is left shows a sign
+HARDLY = 0.95  # of the power: of the others what would leave more is not fitted
 NEAR = 3.0  # times what the best leaves: what leaves less is fitted on, all derivatives fresh,
 NEARER = 2.0  # but not so far off if nothing is wanting,
 NEAR_IF_JOINED = 1.5  # or if it joins another and each sample is costly,
@@ -60,7 +61,7 @@ def play(
     jobs: int = -1,
     shown: Collection[str] = (),
 ) -> None:
-    """Add each of some effects to the bases: all are screened, the `most` promising are fitted.
+    """Add each of some effects to the bases: all are screened, up to `most` promising are fitted.
 
     `shown` are those of which the bases' residuals show a sign.
     """
@@ -117,7 +118,7 @@ def _promising(
     pool: Pool,
     jobs: int,
 ) -> list[str]:
-    """The effects in the order in which they are worth a fit.
+    """The effects that are worth a fit, in the order in which they are.
 
     First those that are strong alone, and those that show: a glance may miss a narrow resonance.
     """
@@ -126,7 +127,8 @@ def _promising(
     alone = [name for trial in pool.best(1, len(pool.tried)) for name in trial.effects]
     strong = [name for name in alone if name in left][:RUNNERS_UP]
     first = {*strong, *sorted({*shown} & {*left}, key=lambda name: left[name])[:SHOWN]}
-    return sorted(left, key=lambda name: (name not in first, left[name]))
+    worth = [name for name in left if name in first or left[name] < HARDLY]
+    return sorted(worth, key=lambda name: (name not in first, left[name]))
 
 
 def _by_itself(name: str, pool: Pool) -> list[Values]:
