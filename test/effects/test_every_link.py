@@ -23,6 +23,7 @@ SHOWING = {
     "friction": {"distributed": 0.3},
     "restoring_force_hysteresis": {"distributed": 0.5},
     "rate_dependent_hysteresis": {"slope": 3e-8},
+    "asymmetric_hysteresis": {"plays": 3e-8},
 }
 Streamed = Callable[[Model, Array, float], Array]
 

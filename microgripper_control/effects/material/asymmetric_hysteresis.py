@@ -13,10 +13,14 @@ as h is one.
 
 z is what Zhu and Wang's term delta u |u'| in h' adds to h, if beta and gamma are those of h. What
 feeds h, alpha d, is read off its own course.
+
+With `plays` above zero there is a loop of plays besides, whose edges bend (`bent_plays`): they add
+`plays` times what they lag behind. A fit then leaves the rest of the law as it is.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from itertools import product
 
 import numpy as np
 
@@ -25,6 +29,7 @@ from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import percent
 from microgripper_control.core.signals import FREE, HYSTERESIS, ROWS, VOLTAGE, Array, Timing
 from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
+from microgripper_control.effects.bent_plays import SHAPE, edges, move_bent_plays, thresholds
 from microgripper_control.effects.material import bouc_wen
 from microgripper_control.effects.material.bouc_wen import filled
 
@@ -35,6 +40,8 @@ CLOSED = 20  # times round until its end is its beginning,
 SETTLED = 1e-3  # of z: what it may still change by in the last
 LOOP_REACH = 65.0  # V, over which the paper's h forgets
 FEED = 0.08  # of the displacement: what feeds the paper's h
+ENTIRE = 0.1  # of the widest loop that plays make: an h at which they begin at one side
+OWN = ("tilt", "bulge", "twist", "skew", "reach", "delta", "beta", "gamma")
 
 
 @inlined
@@ -79,9 +86,12 @@ def carried(g: float, level: float, slope: float, xi: float, ahead: float, back:
 
 @compiled
 def kernel(coefficients: Array, state: Array, bus: Array) -> None:
-    """State: s, z, the voltage and h so far, and what feeds h. A row: as `prepare` has it."""
+    """State: s, z, the voltage and h so far, what feeds h, how far the plays are behind, and they.
+
+    A row: as `prepare` has it.
+    """
     c = coefficients[0]
-    s, z, old, before, feed = state[0], state[1], state[2], state[3], state[4]
+    s, z, old, before, feed, behind = state[0], state[1], state[2], state[3], state[4], state[5]
     ahead, back = c[6] + c[7], c[6] - c[7]
     for j in range(bus.shape[1]):
         u, h = bus[VOLTAGE, j], bus[HYSTERESIS, j]
@@ -97,21 +107,36 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
                 own = carried(sign * before, feed, 0.0, xi, ahead, back)
                 g, level = sign * (before + z), feed + sign * c[5] * old
                 z = sign * (carried(g, level, c[5], xi, ahead, back) - own)
+            if c[8] != 0.0:
+                behind = move_bent_plays(state[6:], u, c[9:])
             old, before = u, h
         bus[FREE, j] -= (((c[2] * u + c[1]) * u + c[0]) * u + c[3] * s) * s + z
-    state[0], state[1], state[2], state[3], state[4] = s, z, old, before, feed
+        if c[8] != 0.0:
+            bus[FREE, j] += c[8] * behind
+    state[0], state[1], state[2], state[3], state[4], state[5] = s, z, old, before, feed, behind
 
 
 def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
-    """The levels are left alone: a material at rest remembers no direction."""
-    names = ("tilt", "bulge", "twist", "skew", "reach", "delta", "beta", "gamma")
-    row = [values[name] for name in names]
-    state = np.array([0.0, 0.0, levels[VOLTAGE], levels[HYSTERESIS], 0.0])
-    return Prepared(np.array([row]), state, timing.ramped)
+    """At rest a material remembers no direction; plays are where they have to be."""
+    u, h, edge = float(levels[VOLTAGE]), float(levels[HYSTERESIS]), edges(values)
+    plays = u - _side(values, h) * thresholds(values)
+    behind = move_bent_plays(plays, u, edge)
+    levels[FREE] += values["plays"] * behind
+    row = np.array([*(values[name] for name in (*OWN, "plays")), *edge])
+    return Prepared(row[None], np.array([0.0, 0.0, u, h, 0.0, behind, *plays]), timing.ramped)
+
+
+def _side(values: Values, h: float) -> float:
+    """On which side of the voltage plays begin, from -1 to 1: h tells where the rig came from."""
+    much = ENTIRE * values["plays"] * values["widest"]
+    return min(1.0, max(-1.0, h / much)) if much > 0.0 else 0.0
 
 
 def starts(scales: Scales) -> Sequence[Values]:
-    """Each of the ways by itself, a hundredth of the stroke, with two memories."""
+    """Each of the ways by itself, a hundredth of the stroke, with two memories; plays of two sizes.
+
+    One edge of the plays bows, up or down.
+    """
     u, size = max(abs(volts) for volts in scales.voltage), 0.01 * scales.stroke
     off = {"tilt": 0.0, "bulge": 0.0, "twist": 0.0, "skew": 0.0, "delta": 0.0}
     ways = {"tilt": size / u, "bulge": size / u**2, "twist": size / u**3, "skew": size}
@@ -120,16 +145,35 @@ def starts(scales: Scales) -> Sequence[Values]:
         for share in (0.08, 0.2)
         for name, way in ways.items()
     ]
-    return [*beside, off | {"delta": size / (u * LOOP_REACH)}]
+    low, high = scales.voltage
+    plays = off | {"plays": 0.3 * scales.stroke / scales.swing, "lowest": low, "highest": high}
+    bent = [
+        plays | {"widest": width * scales.swing, edge: bow * scales.swing}
+        for width, edge, bow in product((0.2, 0.4), ("rise_bow", "fall_bow"), (-0.05, 0.05))
+    ]
+    return [*beside, off | {"delta": size / (u * LOOP_REACH)}, *bent]
 
 
 def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
     """A turn is forgotten within the swing, as the paper's beta has it.
 
     With a longer reach s would be the voltage itself, and the loop a bent line; with a shorter one
-    the branches would jump apart.
+    the branches would jump apart. Edges that bend by much would be no edges.
     """
-    return {"reach": (0.02 * scales.swing, 0.6 * scales.swing)}
+    bow, swing = 0.3 * scales.swing, scales.swing
+    bent = dict.fromkeys(SHAPE[:4], (-bow, bow))
+    return {
+        "reach": (0.02 * swing, 0.6 * swing),
+        "widest": (0.01 * swing, 0.6 * swing),
+        "plays": (0.0, 2.0 * scales.stroke / swing),
+    } | bent
+
+
+def idle(values: Values) -> Collection[str]:
+    """Plays are left out if they start like that, and are else all there is."""
+    if values["plays"] != 0.0:
+        return OWN
+    return "plays", "widest", "taper", *SHAPE[:4]
 
 
 def says(values: Values, scales: Scales) -> str:
@@ -176,7 +220,10 @@ LINK = Link(
     stage=Stage.MATERIAL,
     order=10,
     title="asymmetric hysteresis",
-    source="after Zhu and Wang 2012 (paper, reference [20]); Song and Der Kiureghian 2006",
+    source=(
+        "after Zhu and Wang 2012 (paper, reference [20]); Song and Der Kiureghian 2006; "
+        "Al Janaideh, Rakheja, Su 2011"
+    ),
     parameters=(
         Parameter("tilt", "m/V", 1e-9, -1e-3, 1e-3, "how far the branches part, per volt", 0.0),
         Parameter(
@@ -196,10 +243,22 @@ LINK = Link(
         ),
         Parameter("beta", "1/V", 0.0152, 0.0, 1e3, "decay of the loop with travel, both ways"),
         Parameter("gamma", "1/V", -0.0227, -1e3, 1e3, "decay of the loop by direction"),
+        Parameter("plays", "m/V", 0.0, 0.0, 1e-3, "slope of the loop that plays make", 0.0),
+        Parameter("widest", "V", 30.0, 1e-3, 1e4, "threshold of the widest play"),
+        Parameter(
+            "taper", "1", 0.5, -10.0, 10.0, "how much less wide plays count than narrow ones"
+        ),
+        Parameter("rise_bow", "V", -5.0, -1e4, 1e4, "bow of the rising edge amid the range"),
+        Parameter("rise_skew", "V", -2.0, -1e4, 1e4, "how much more it bows below than above"),
+        Parameter("fall_bow", "V", 5.0, -1e4, 1e4, "bow of the falling edge"),
+        Parameter("fall_skew", "V", 2.0, -1e4, 1e4, "how much more it bows below than above"),
+        Parameter("lowest", "V", 0.0, -1e4, 1e4, "from where the edges bend", fitted=False),
+        Parameter("highest", "V", 150.0, -1e4, 1e4, "up to where they bend", fitted=False),
     ),
     prepare=prepare,
     kernel=kernel,
     starts=starts,
     plausible=plausible,
+    idle=idle,
     says=says,
 )
