@@ -154,7 +154,8 @@ def as_declared(scales: Scales) -> Mapping[str, tuple[float, float]]:
 
 
 # unusual(values, scales): from 0, for values that the field knows the effect by, to 1, for those
-# that go by another name. Laws that can imitate each other are told apart by their sizes, too.
+# that go by another name, or more for those that the name rules out. Laws that can imitate each
+# other are told apart by their sizes, too.
 Unusual = Callable[[Values, Scales], float]
 
 

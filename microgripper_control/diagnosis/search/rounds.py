@@ -32,8 +32,8 @@ RUNNERS_UP = 2  # of the promising: those that explain most by themselves,
 SHOWN = 2  # and those of which what is left shows a sign
 HARDLY = 0.95  # of the power: of the others what would leave more is not fitted
 NEAR = 3.0  # times what the best leaves: what leaves less is fitted on, all derivatives fresh,
-NEARER = 2.0  # but not so far off if nothing is wanting,
-NEAR_IF_JOINED = 1.5  # or if it joins another and each sample is costly,
+NEARER = 2.0  # but not so far off if nothing is wanting, or if each sample is costly,
+NEAR_IF_JOINED = 1.5  # and less if it joins another besides,
 FEW = 2  # and no more than so many of these, if they have helped at all by then
 
 
@@ -72,7 +72,8 @@ def play(
     alone = before is pool.refit
     wanting = alone and pool.unexplained
     near = Near(
-        cheap=NEAR if wanting or not alone else NEARER, costly=NEAR if wanting else NEAR_IF_JOINED
+        cheap=NEAR if wanting or not alone else NEARER,
+        costly=NEARER if wanting else NEAR_IF_JOINED,
     )
     known = min((trial.fitted_rmse for trial in pool.tried.values()), default=np.inf)
     scrutiny = Scrutiny(PART, known=known)

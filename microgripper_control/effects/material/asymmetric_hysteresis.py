@@ -41,6 +41,8 @@ SETTLED = 1e-3  # of z: what it may still change by in the last
 LOOP_REACH = 65.0  # V, over which the paper's h forgets
 FEED = 0.08  # of the displacement: what feeds the paper's h
 ENTIRE = 0.1  # of the widest loop that plays make: an h at which they begin at one side
+LEAST_BENT, STRAIGHT = 0.15, 3.0  # of the widest play, and how unusual half of that is
+TINY = 1e-30
 OWN = ("tilt", "bulge", "twist", "skew", "reach", "delta", "beta", "gamma")
 
 
@@ -176,6 +178,17 @@ def idle(values: Values) -> Collection[str]:
     return "plays", "widest", "taper", *SHAPE[:4]
 
 
+def unusual(values: Values, scales: Scales) -> float:
+    """Plays whose edges hardly bend make a loop as Prandtl and Ishlinskii's, which is not lopsided.
+
+    It would be the paper's loop with another kind of hysteresis, for which there is no name here.
+    """
+    if values["plays"] == 0.0:
+        return 0.0
+    bent = max(abs(values[name]) for name in SHAPE[:4]) / values["widest"]
+    return STRAIGHT * min(1.0, max(0.0, math.log2(LEAST_BENT / max(bent, TINY))))
+
+
 def says(values: Values, scales: Scales) -> str:
     share = percent(float(np.max(np.abs(apart(values, scales)))) / scales.stroke)
     return (
@@ -260,5 +273,6 @@ LINK = Link(
     starts=starts,
     plausible=plausible,
     idle=idle,
+    unusual=unusual,
     says=says,
 )
