@@ -117,7 +117,9 @@ def _from_all_starts(
     too_far = FAR_OFF * scrutiny.hopeless
     if alone and math.isfinite(too_far):
         too_far = min(too_far, LITTLE_TAKEN * rms([anchors[0].residual]))
-    fits = [_fit_from(part, start, name, too_far) for start in starts]
+    # What promises much may still overshoot at first.
+    limits = [too_far if _expected(g.least, g) > scrutiny.hopeless else math.inf for g in starts]
+    fits = [_fit_from(part, g, name, limit) for g, limit in zip(starts, limits, strict=True)]
     found = [fit for fit in fits if fit is not None and np.isfinite(fit.fitted_rmse)]
     near = any(fit.fitted_rmse < too_far for fit in found)
     if alone and near and any(is_costly(part, fit.model) for fit in found):
@@ -197,14 +199,18 @@ def _fit_from(evidence: Evidence, guess: Guess, name: str, too_far: float) -> Tr
     if is_costly(evidence, guess.model) or (fit is not None and fit.fitted_rmse > too_far):
         return fit
     fit = fit_on(evidence, fit or begun(guess.base, guess.model, [name]), ROUGH, STEPS)
-    promised = math.sqrt(max(guess.left, 0.0) / len(guess.base.residual))
-    if fit.fitted_rmse < FALLEN_SHORT * promised:
+    if fit.fitted_rmse < FALLEN_SHORT * _expected(guess.left, guess):
         return fit
     start = half_way(evidence, guess.base, guess.model, [name])
     if start is None:
         return fit
     other = fit_on(evidence, start, ROUGH, STEPS)
     return min(fit, other, key=lambda trial: trial.fitted_rmse)
+
+
+def _expected(squares: float, guess: Guess) -> float:
+    """The error, m, of what a guess would leave, m^2."""
+    return math.sqrt(max(squares, 0.0) / len(guess.base.residual))
 
 
 def behind(evidence: Evidence, trial: Trial, name: str) -> Trial:

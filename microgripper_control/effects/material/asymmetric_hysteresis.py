@@ -41,7 +41,9 @@ SETTLED = 1e-3  # of z: what it may still change by in the last
 LOOP_REACH = 65.0  # V, over which the paper's h forgets
 FEED = 0.08  # of the displacement: what feeds the paper's h
 ENTIRE = 0.1  # of the widest loop that plays make: an h at which they begin at one side
-LEAST_BENT, STRAIGHT = 0.15, 3.0  # of the widest play, and how unusual half of that is
+LEAST_BENT = 0.15  # of the widest play,
+ALIKE = 4.0  # times what the edges differ: the most that both bend,
+RULED_OUT = 3.0  # how unusual half or twice of that is
 TINY = 1e-30
 OWN = ("tilt", "bulge", "twist", "skew", "reach", "delta", "beta", "gamma")
 
@@ -179,14 +181,18 @@ def idle(values: Values) -> Collection[str]:
 
 
 def unusual(values: Values, scales: Scales) -> float:
-    """Plays whose edges hardly bend make a loop as Prandtl and Ishlinskii's, which is not lopsided.
+    """Plays whose edges hardly bend, or bend alike, make no lopsided loop.
 
-    It would be the paper's loop with another kind of hysteresis, for which there is no name here.
+    The first is Prandtl and Ishlinskii's own loop, for which there is no name here, the second a
+    bent line, for which there are others.
     """
     if values["plays"] == 0.0:
         return 0.0
-    bent = max(abs(values[name]) for name in SHAPE[:4]) / values["widest"]
-    return STRAIGHT * min(1.0, max(0.0, math.log2(LEAST_BENT / max(bent, TINY))))
+    rise, fall = (np.array([values[f"{e}_bow"], values[f"{e}_skew"]]) for e in ("rise", "fall"))
+    bent = max(np.max(np.abs(rise)), np.max(np.abs(fall))) / values["widest"]
+    alike = np.max(np.abs(rise + fall)) / max(np.max(np.abs(fall - rise)), TINY)
+    octaves = max(math.log2(LEAST_BENT / max(bent, TINY)), math.log2(max(alike, TINY) / ALIKE))
+    return RULED_OUT * min(1.0, max(0.0, octaves))
 
 
 def says(values: Values, scales: Scales) -> str:

@@ -240,13 +240,25 @@ def test_where_plays_begin_is_told_by_h(h: float, side: float) -> None:
     np.testing.assert_allclose(prepared.state[6:], 150.0 - side * 40.0 * np.arange(0.5, 8.0) / 8.0)
 
 
-@pytest.mark.parametrize(("bow", "unusual"), [(12.0, 0.0), (-12.0, 0.0), (3.0, 3.0), (0.0, 3.0)])
-def test_plays_with_straight_edges_are_no_lopsided_loop(bow: float, unusual: float) -> None:
+@pytest.mark.parametrize(
+    ("rise", "fall", "unusual"),
+    [
+        (0.0, 12.0, 0.0),
+        (0.0, -12.0, 0.0),
+        (12.0, 7.0, 0.0),
+        (0.0, 3.0, 3.0),
+        (0.0, 0.0, 3.0),
+        (40.0, 33.0, 3.0),
+    ],
+)
+def test_plays_with_edges_that_are_straight_or_alike_are_no_lopsided_loop(
+    rise: float, fall: float, unusual: float
+) -> None:
     scales = Scales(1e-3, 10.0, (0.0, 150.0), 150.0, (0.0, STROKE), 5e7, 0.0038)
-    straight = {"rise_bow": 0.0, "rise_skew": 0.0, "fall_bow": bow, "fall_skew": 0.0}
+    shape = {"rise_bow": rise, "rise_skew": 0.0, "fall_bow": fall, "fall_skew": 0.0}
     link = link_named(LINK)
-    assert link.unusual(NOMINAL | BENT | straight, scales) == pytest.approx(unusual)
-    assert link.unusual(NOMINAL | straight, scales) == 0.0
+    assert link.unusual(NOMINAL | BENT | shape, scales) == pytest.approx(unusual)
+    assert link.unusual(NOMINAL | shape, scales) == 0.0
 
 
 def test_planted_plays_are_found(
