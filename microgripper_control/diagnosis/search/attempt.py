@@ -98,7 +98,7 @@ def _attempt(
     found.sort(key=lambda trial: trial.fitted_rmse)
     if anchors[0].trial.effects:
         found, scrutiny = found[:1], scrutiny._replace(known=0.0)
-    elif math.isfinite(scrutiny.hopeless) and _takes_nothing(found[0], anchors[0]):
+    elif math.isfinite(scrutiny.hopeless) and found[0].fitted_rmse > _left_by_nothing(anchors[0]):
         return None, "takes nothing away of what a part of the samples shows"
     whole = _carried(evidence, found, name, scrutiny)
     if whole is None:
@@ -116,10 +116,12 @@ def _from_all_starts(
     alone = not anchors[0].trial.effects
     too_far = FAR_OFF * scrutiny.hopeless
     if alone and math.isfinite(too_far):
-        too_far = min(too_far, LITTLE_TAKEN * rms([anchors[0].residual]))
+        too_far = min(too_far, _left_by_nothing(anchors[0]))
     # What promises much may still overshoot at first.
-    limits = [too_far if _expected(g.least, g) > scrutiny.hopeless else math.inf for g in starts]
-    fits = [_fit_from(part, g, name, limit) for g, limit in zip(starts, limits, strict=True)]
+    limits = [too_far if guess.hoped > scrutiny.hopeless else math.inf for guess in starts]
+    fits = [
+        _fit_from(part, guess, name, limit) for guess, limit in zip(starts, limits, strict=True)
+    ]
     found = [fit for fit in fits if fit is not None and np.isfinite(fit.fitted_rmse)]
     near = any(fit.fitted_rmse < too_far for fit in found)
     if alone and near and any(is_costly(part, fit.model) for fit in found):
@@ -127,9 +129,9 @@ def _from_all_starts(
     return found
 
 
-def _takes_nothing(trial: Trial, base: Base) -> bool:
-    """Whether a fit to a part leaves what the base does: on all samples it would only do harm."""
-    return trial.fitted_rmse > LITTLE_TAKEN * rms([base.residual])
+def _left_by_nothing(base: Base) -> float:
+    """What a fit to a part leaves, m, or more, that takes nothing away: on all it would do harm."""
+    return LITTLE_TAKEN * rms([base.residual])
 
 
 def _carried(
@@ -199,18 +201,13 @@ def _fit_from(evidence: Evidence, guess: Guess, name: str, too_far: float) -> Tr
     if is_costly(evidence, guess.model) or (fit is not None and fit.fitted_rmse > too_far):
         return fit
     fit = fit_on(evidence, fit or begun(guess.base, guess.model, [name]), ROUGH, STEPS)
-    if fit.fitted_rmse < FALLEN_SHORT * _expected(guess.left, guess):
+    if fit.fitted_rmse < FALLEN_SHORT * guess.promised:
         return fit
     start = half_way(evidence, guess.base, guess.model, [name])
     if start is None:
         return fit
     other = fit_on(evidence, start, ROUGH, STEPS)
     return min(fit, other, key=lambda trial: trial.fitted_rmse)
-
-
-def _expected(squares: float, guess: Guess) -> float:
-    """The error, m, of what a guess would leave, m^2."""
-    return math.sqrt(max(squares, 0.0) / len(guess.base.residual))
 
 
 def behind(evidence: Evidence, trial: Trial, name: str) -> Trial:

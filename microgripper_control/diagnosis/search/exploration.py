@@ -154,27 +154,29 @@ def _exchange(names: Sequence[str], pool: Pool, progress: Progress, jobs: int) -
 
     Which of them led was chosen without the other, whose part of the gap misled both.
     """
-    for best in pool.best(2, 1):
-        if not _adds_much(best, pool):
-            return
-        pair = frozenset(best.effects) - pool.own
-        for name in sorted(pair):
-            kept, replaced = (pool.tried.get(one) for one in (pair - {name}, frozenset([name])))
-            if kept and replaced:
-                alike = _alike(replaced, kept, names, pool)
-                base = base_of(pool.evidence, kept)
-                play(pool.evidence, [base], alike, len(alike), pool, progress, jobs)
+    best = pool.best(2, 1)
+    if not best or not _adds_much(best[0], pool):
+        return
+    pair = frozenset(best[0].effects) - pool.own
+    for name in sorted(pair):
+        replaced, kept = pool.tried.get(frozenset([name])), pool.tried.get(pair - {name})
+        if replaced and kept and (alike := _alike(replaced, kept, names, pool)):
+            base = base_of(pool.evidence, kept)
+            play(pool.evidence, [base], alike, len(alike), pool, progress, jobs)
 
 
 def _alike(replaced: Trial, kept: Trial, names: Sequence[str], pool: Pool) -> list[str]:
-    """Effects that close alone about what `replaced` does and were not tried beside `kept`."""
-    least = ALIKE * pool.closed(replaced)
+    """Effects of `names` that close alone about what `replaced` does, not tried beside `kept`.
+
+    None that is costly.
+    """
+    least, beside = ALIKE * pool.closed(replaced), frozenset(kept.effects) - pool.own
     found = []
     for trial in pool.best(1, len(pool.tried)):
-        (name,) = frozenset(trial.effects) - pool.own
-        tried = frozenset([name, *kept.effects]) - pool.own in pool.tried
-        cheap = name in names and not is_costly(pool.evidence, trial.model)
-        if cheap and not tried and pool.closed(trial) >= least:
+        (name,) = added = frozenset(trial.effects) - pool.own
+        if name not in names or is_costly(pool.evidence, trial.model):
+            continue
+        if added | beside not in pool.tried and pool.closed(trial) >= least:
             found.append(name)
     return found[:EXCHANGED]
 

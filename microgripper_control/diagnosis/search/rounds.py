@@ -33,7 +33,7 @@ SHOWN = 2  # and those of which what is left shows a sign
 HARDLY = 0.95  # of the power: of the others what would leave more is not fitted
 NEAR = 3.0  # times what the best leaves: what leaves less is fitted on, all derivatives fresh,
 NEARER = 2.0  # but not so far off if nothing is wanting, or if each sample is costly,
-NEAR_IF_JOINED = 1.5  # and less if it joins another besides,
+NEAR_IF_JOINED = 1.5  # or if both, or such a one joins another,
 FEW = 2  # and no more than so many of these, if they have helped at all by then
 
 

@@ -7,6 +7,7 @@ how strong it would have to be: a score test, at the cost of one simulation a gu
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -37,6 +38,19 @@ class Guess:
     least: float  # with the effect as strong as fits best
     strength: float  # by how much it should be stronger for that
     idle: bool  # whether it changes next to nothing
+
+    @property
+    def promised(self) -> float:
+        """`left` as an error, m rms."""
+        return self._error(self.left)
+
+    @property
+    def hoped(self) -> float:
+        """`least` as an error, m rms."""
+        return self._error(self.least)
+
+    def _error(self, squares: float) -> float:
+        return math.sqrt(max(squares, 0.0) / len(self.base.residual))
 
 
 def guesses(
