@@ -99,3 +99,16 @@ def test_pieces_of_a_run_from_rest_do_not_begin_at_rest(separate: bool) -> None:
     assert trial.fitted_rmse < 1e-9
     from_rest = replace(pieces, conditions=whole.conditions)
     assert unfitted(from_rest, moved(from_rest, trial)).fitted_rmse > 2e-8
+
+
+@pytest.mark.parametrize("separate", [True, False])
+def test_a_piece_of_which_no_sample_counts_is_none(separate: bool) -> None:
+    """The samples that are fitted may all be ones which answer to what was before the piece."""
+    whole = gathered(separate)
+    few = np.arange(len(whole.used[0])) < 10
+    pieces = replace(whole, used=(whole.used[0] & few, whole.used[1])).pieces(40_000)
+    assert {run.name for run in pieces.fitted} == {"short"}
+    for mask, run in zip(pieces.used, pieces.fitted, strict=True):
+        assert np.any(mask & pieces.conditions.answered(run))
+    none = replace(whole, used=tuple(mask & few[: len(mask)] for mask in whole.used))
+    assert none.pieces(40_000) is none

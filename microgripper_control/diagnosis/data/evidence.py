@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -143,16 +144,14 @@ class Evidence:
         """
         if self.conditions.initial is Initial.PERIODIC:
             return self
-        fitted, used = _pieces_of(self.fitted, self.used, most, self.separate)
+        conditions = replace(self.conditions, initial=Initial.FIRST_SAMPLE)
+        cut = partial(_pieces_of, most=most, conditions=conditions, anywhere=self.separate)
+        fitted, used = cut(self.fitted, self.used)
         judged, compared = fitted, _all(fitted)
         if self.separate:
-            judged, compared = _pieces_of(self.judged, self.compared, most, True)
-        if fitted is self.fitted and judged is self.judged:
+            judged, compared = cut(self.judged, self.compared)
+        if (fitted is self.fitted and judged is self.judged) or not (fitted and judged):
             return self
-        if not self.separate:
-            odd = _used(fitted, False)
-            used = tuple(mask & own for mask, own in zip(used, odd, strict=True))
-        conditions = replace(self.conditions, initial=Initial.FIRST_SAMPLE)
         return replace(
             self,
             fitted=fitted,
@@ -240,11 +239,16 @@ def _away_from_borders(chosen: Mask) -> Mask:
 
 
 def _pieces_of(
-    recordings: tuple[Recording, ...], masks: tuple[Mask, ...], most: int, anywhere: bool
+    recordings: tuple[Recording, ...],
+    masks: tuple[Mask, ...],
+    most: int,
+    conditions: Conditions,
+    anywhere: bool,
 ) -> tuple[tuple[Recording, ...], tuple[Mask, ...]]:
     """Recordings and masks as they are if there are no more than `most` samples, else pieces.
 
     A piece's first samples do not count: they only show what a force remembers when it begins.
+    Unless pieces may lie `anywhere`, its own even blocks judge. One with nothing left is no piece.
     """
     total = sum(len(recording) for recording in recordings)
     if total <= most:
@@ -253,10 +257,13 @@ def _pieces_of(
     for recording, mask in zip(recordings, masks, strict=True):
         begin = int(np.argmax(mask)) if anywhere else 0
         for part in _parts(begin, len(recording), len(recording) * most / total, anywhere):
-            lead = int(LEAD_IN * (part.stop - part.start)) if anywhere and part.start > 0 else 0
-            counts = mask[part] & (np.arange(part.stop - part.start) >= lead)
-            if np.any(counts):
-                pieces.append(_piece(recording, part))
+            piece = _piece(recording, part)
+            lead = int(LEAD_IN * len(piece)) if anywhere and part.start > 0 else 0
+            counts = mask[part] & (np.arange(len(piece)) >= lead)
+            if not anywhere:
+                counts &= _used([piece], False)[0]
+            if np.any(counts & conditions.answered(piece)):
+                pieces.append(piece)
                 counted.append(counts)
     return tuple(pieces), tuple(counted)
 

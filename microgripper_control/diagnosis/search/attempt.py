@@ -17,7 +17,7 @@ from microgripper_control.diagnosis.data.evidence import Evidence, rms
 from microgripper_control.diagnosis.data.grid import refuted
 from microgripper_control.diagnosis.data.noise import removable
 from microgripper_control.diagnosis.fits.fitting import Base, begun, extend, fit_on, half_way
-from microgripper_control.diagnosis.fits.trial import Trial, judged, moved, unfitted
+from microgripper_control.diagnosis.fits.trial import Trial, evenly, judged, moved, unfitted
 from microgripper_control.diagnosis.search.finishing import refined
 from microgripper_control.diagnosis.search.labour import is_costly
 from microgripper_control.diagnosis.search.screening import Guess, guesses, kind
@@ -93,9 +93,9 @@ def _attempt(
     found = _from_all_starts(part, anchors, name, scrutiny)
     if not found:
         return None, "no start could be fitted"
-    if part is evidence:
-        return min((judged(evidence, fit) for fit in found), key=lambda trial: trial.both), ""
     found.sort(key=lambda trial: trial.fitted_rmse)
+    if part is evidence:
+        return _best_judged(evidence, found), ""
     if anchors[0].trial.effects:
         found, scrutiny = found[:1], scrutiny._replace(known=0.0)
     elif math.isfinite(scrutiny.hopeless) and found[0].fitted_rmse > _left_by_nothing(anchors[0]):
@@ -127,6 +127,20 @@ def _from_all_starts(
     if alone and near and any(is_costly(part, fit.model) for fit in found):
         found += [fit_on(part, fit, ROUGH, COSTLY_STEPS) for fit in best_of_each_kind(found, name)]
     return found
+
+
+def _best_judged(evidence: Evidence, found: Sequence[Trial]) -> Trial:
+    """The fit that leaves least of both kinds of samples; `found` has the best fitted first.
+
+    One that has lost by the fitted samples alone is not judged.
+    """
+    trials: list[Trial] = []
+    least = math.inf
+    for fit in found:
+        if evenly(0.0, fit.fitted_rmse) < least:
+            trials.append(judged(evidence, fit))
+            least = min(least, trials[-1].both)
+    return min(trials, key=lambda trial: (math.isnan(trial.both), trial.both))
 
 
 def _left_by_nothing(base: Base) -> float:
