@@ -96,6 +96,7 @@ class Scales:
     stiffness: float  # N/m, k + k_s
     mass: float  # kg
     resolution: float = 0.0  # m, of the grid that all readings lie on; 0 if on none
+    rounding: float = 0.0  # m rms, what reading on that grid leaves
     clock: float = 0.0  # s, between conversions of a sensor with a clock of its own, else 0
 
     @property

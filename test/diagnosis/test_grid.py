@@ -1,21 +1,28 @@
-"""The step of a sensor's grid is read off, and only where there is one."""
+"""A sensor's grid is read off, and only where there is one; what rounding does is known."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
 
+from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
-from microgripper_control.diagnosis.data.grid import (
-    common_step,
-    noise_under,
-    refuted,
-    resolution,
-    rounding,
-)
+from microgripper_control.diagnosis.data.grid import NO_GRID, Grid, noise_under, refuted
+from microgripper_control.diagnosis.data.levels import grid_of
 
 STEP = 2.1e-7
-TIME = 1e-3 * np.arange(20_000)
+TIME: Array = 1e-3 * np.arange(20_000, dtype=np.float64)
+
+
+def common_step(readings: Sequence[Array]) -> float:
+    """The step that readings show, whatever the voltage did."""
+    return grid_of([Recording("run", 1e-3, np.zeros(len(one)), one) for one in readings]).step
+
+
+def resolution(readings: Array) -> float:
+    return common_step([readings])
 
 
 def loops() -> Array:
@@ -73,13 +80,54 @@ def test_readings_that_are_late_are_on_no_grid() -> None:
 
 
 def test_a_few_readings_tell_nothing() -> None:
-    assert resolution(np.array([0.0, 1e-7, 2e-7, 0.0])) == 0.0
+    assert resolution(np.array([0.0, 1e-7, 2e-7, 1e-7, 0.0] * 2)) == 0.0
 
 
 def test_rounding_leaves_a_step_over_the_root_of_twelve() -> None:
     position = np.linspace(0.0, 100.0 * STEP, len(TIME))
     off = float(np.std(rounded(position) - position))
-    assert rounding(STEP) == pytest.approx(off, rel=1e-3)
+    assert Grid.even(STEP).rounding == pytest.approx(off, rel=1e-3)
+
+
+@pytest.mark.parametrize("owner", [-0.5, 0.5])
+def test_what_a_converter_without_each_eighth_code_leaves(owner: float) -> None:
+    """The code below a missing one, or above it, stands for both."""
+    codes = np.rint(loops() / STEP)
+    codes += np.where(codes % 8 == 3, 2.0 * owner, 0.0)
+    off = float(np.std(STEP * codes - loops()))
+    recording = Recording("run", 1e-3, TIME, np.asarray(STEP * codes))
+    assert grid_of([recording]).step == pytest.approx(STEP, rel=1e-6)
+    assert grid_of([recording]).rounding == pytest.approx(off, rel=0.1)
+    assert off > 1.3 * Grid.even(STEP).rounding
+
+
+def uneven() -> tuple[Array, Array]:
+    """Positions, and readings of them on levels 0.7 to 1.3 steps apart, with noise on top."""
+    rng = np.random.default_rng(8)
+    levels: Array = np.cumsum(STEP * rng.uniform(0.7, 1.3, 90)) - STEP
+    borders = 0.5 * (levels[1:] + levels[:-1])
+    shown = levels[np.searchsorted(borders, loops())]
+    return loops(), np.asarray(shown + 0.04 * STEP * rng.standard_normal(len(TIME)))
+
+
+def test_levels_that_are_not_alike_under_noise() -> None:
+    position, readings = uneven()
+    grid = grid_of([Recording("run", 1e-3, TIME, readings)])
+    assert grid.step == pytest.approx(STEP, rel=0.1)
+    assert grid.rounding == pytest.approx(np.std(readings - position), rel=0.1)
+
+
+@pytest.mark.parametrize("readings", [loops(), np.repeat(loops()[::8], 8)])
+def test_readings_that_gather_nowhere(readings: Array) -> None:
+    """Late ones repeat, but are not come back to."""
+    assert grid_of([Recording("run", 1e-3, TIME, readings)]) == NO_GRID
+
+
+def test_readings_that_gather_where_the_voltage_stays_are_on_no_levels() -> None:
+    """The same readings; but this voltage moves from time to time only."""
+    _, readings = uneven()
+    held = Recording("run", 1e-3, np.asarray(np.floor(TIME / 5e-3)), readings)
+    assert grid_of([held]) == NO_GRID
 
 
 def test_a_staircase_of_equal_steps_is_no_grid_as_the_readings_follow_the_model() -> None:
@@ -89,16 +137,18 @@ def test_a_staircase_of_equal_steps_is_no_grid_as_the_readings_follow_the_model(
     readings = held + 15e-9 * rng.standard_normal(len(held))
     step = resolution(readings)
     assert step == pytest.approx(2e-6, rel=0.01)
-    assert refuted(step, 15e-9, [readings])
-    assert not refuted(STEP, rounding(STEP), [rounded(loops())])
+    even = Grid.even(STEP)
+    assert refuted(Grid.even(step), 15e-9, [readings])
+    assert not refuted(even, even.rounding, [rounded(loops())])
 
 
 def test_a_grid_that_every_reading_lies_on_stays_however_close_a_model_comes() -> None:
     """At eight places a flexible model can follow the rounding; its grid is bowed, too."""
     places = rounded(staircase(8))
     bowed = places + 0.1 * STEP * np.sin(places / 3e-6)
-    assert not refuted(STEP, 0.1 * rounding(STEP), [places, bowed])
-    assert refuted(STEP, 0.1 * rounding(STEP), [places, staircase(8)])
+    grid = Grid.even(STEP)
+    assert not refuted(grid, 0.1 * grid.rounding, [places, bowed])
+    assert refuted(grid, 0.1 * grid.rounding, [places, staircase(8)])
 
 
 def test_a_grid_is_what_half_of_the_recordings_show() -> None:
@@ -110,7 +160,8 @@ def test_a_grid_is_what_half_of_the_recordings_show() -> None:
 @pytest.mark.parametrize("noise", [0.0, 40e-9, 100e-9])
 def test_the_noise_under_a_grid(noise: float) -> None:
     """Rounding counts as noise until it is known to be rounding; its bow keeps its share."""
-    floor = np.hypot(noise, rounding(STEP))
-    found = noise_under(float(floor), STEP)
+    grid = Grid.even(STEP)
+    floor = np.hypot(noise, grid.rounding)
+    found = noise_under(float(floor), grid)
     assert found == pytest.approx(np.sqrt(max(noise**2 - (0.15 * STEP) ** 2, (0.15 * STEP) ** 2)))
-    assert noise_under(float(floor), 0.0) == floor
+    assert noise_under(float(floor), NO_GRID) == floor

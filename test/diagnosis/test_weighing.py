@@ -19,6 +19,7 @@ from microgripper_control.diagnosis.answers.weighing import (
     Left,
     weigh,
 )
+from microgripper_control.diagnosis.data.grid import NO_GRID, Grid
 from microgripper_control.diagnosis.findings import EFFECTS, UNKNOWN
 from microgripper_control.diagnosis.fits.trial import Trial
 from microgripper_control.diagnosis.search.pool import Pool
@@ -31,7 +32,12 @@ CREEP, LAG, BOTH = (
     frozenset(["sensor_lag"]),
     frozenset(["creep", "sensor_lag"]),
 )
-EVIDENCE = SimpleNamespace(scales=SimpleNamespace(resolution=0.0))  # all that is looked at
+EVIDENCE = SimpleNamespace(grid=NO_GRID)  # all that is looked at
+
+
+def on_grid(step: float) -> SimpleNamespace:
+    """The same of readings on steps, m."""
+    return SimpleNamespace(grid=Grid.even(step))
 
 
 def facts(nominal: float, refit: float, **tried: float) -> Facts:
@@ -143,6 +149,7 @@ def test_a_grid_counts_for_what_it_rounds_though_its_prediction_is_no_closer() -
             frozenset(["thermal_drift"]): trial(model.with_link("thermal_drift"), 40.0),
         }
     )
+    pool.evidence = on_grid(200.0 * NM)  # type: ignore[assignment]
     both = frozenset(["thermal_drift", "sensor_quantization"])
     assert by_importance(both, pool) == ("sensor_quantization", "thermal_drift")
 
@@ -160,7 +167,7 @@ def test_rounding_is_no_noise_once_its_grid_is_known() -> None:
     seen = float(np.hypot(15.0 * NM, step / np.sqrt(12.0)))
     white = seen * np.random.default_rng(3).standard_normal(20_000)
     left = Trial(model, (), (), seen, (white,))
-    pool = Pool(EVIDENCE, left, left)  # type: ignore[arg-type]
+    pool = Pool(on_grid(step), left, left)  # type: ignore[arg-type]
     assert pool.noise_floor == pytest.approx(seen, rel=0.02)
     grid = replace(left, model=model.with_link("sensor_quantization", resolution=step))
     pool.tried[frozenset(["sensor_quantization"])] = grid
@@ -178,7 +185,7 @@ def test_noise_below_a_coarse_grid_is_still_noise() -> None:
     grid = nominal_model().with_link("sensor_quantization", resolution=step)
     left = Trial(grid, (), (), 15.0 * NM, tuple(errors))
     assert left.quietest < 0.5 * left.noise_floor
-    pool = Pool(EVIDENCE, left, left)  # type: ignore[arg-type]
+    pool = Pool(on_grid(step), left, left)  # type: ignore[arg-type]
     pool.tried[frozenset(["sensor_quantization"])] = left
     assert pool.noise_floor == pytest.approx(np.sqrt(15.0**2 - (0.15 * 48.0) ** 2) * NM, rel=0.1)
 
@@ -193,8 +200,7 @@ def test_what_a_law_leaves_at_steps_is_no_noise() -> None:
     assert one.noise_floor > 90.0 * NM
     pool = Pool(EVIDENCE, one, one)  # type: ignore[arg-type]
     assert pool.noise_floor == pytest.approx(15.0 * NM, rel=0.05)
-    rounded = SimpleNamespace(scales=SimpleNamespace(resolution=70.0 * NM))
-    pool = Pool(rounded, one, one)  # type: ignore[arg-type]
+    pool = Pool(on_grid(70.0 * NM), one, one)  # type: ignore[arg-type]
     assert pool.noise_floor == pytest.approx(70.0 * NM / np.sqrt(12.0))
 
 
@@ -206,7 +212,7 @@ def test_a_grid_is_dropped_if_an_explanation_follows_the_readings_more_closely(
     model = nominal_model()
     grid = frozenset(["sensor_quantization"])
     noisy = SimpleNamespace(measured=np.random.default_rng(4).standard_normal(2000))
-    seen = SimpleNamespace(fitted=[noisy])
+    seen = SimpleNamespace(fitted=[noisy], grid=Grid.even(200.0 * NM))
     pool = Pool(seen, trial(model, 90.0), trial(model, 90.0))  # type: ignore[arg-type]
     pool.tried[grid] = trial(model.with_link("sensor_quantization", resolution=200.0 * NM), 95.0)
     pool.tried[CREEP] = trial(model.with_link("creep"), error)

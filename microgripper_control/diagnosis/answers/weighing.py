@@ -165,15 +165,15 @@ def _left(trial: Trial) -> Left:
 def explained(effects: Explanation, trial: Trial, pool: Pool) -> Left:
     """What an explanation leaves.
 
-    A grid of step q explains readings that lie on it without predicting them better: under noise
-    the rounded prediction is often worse. So it counts as taking away from what its other effects
-    leave the variance of rounding, q^2 / 12, and that of a grid that is bowed as far as they are.
+    A grid explains readings that lie on it without predicting them better: under noise the rounded
+    prediction is often worse. So it counts as taking away from what its other effects leave the
+    variance of rounding, q^2 / 12 for even steps q, and that of a grid bowed as far as they are.
     """
     rounding = frozenset(name for name in effects if is_read_off(name))
     if not rounding:
         return _left(trial)
     rest = _left(pool.tried.get(effects - rounding, pool.refit))
-    return Left(*(unrounded(error, pool.step) for error in rest))
+    return Left(*(unrounded(error, pool.grid) for error in rest))
 
 
 def _unclosed(left: Left, gap: Left, floor: float) -> float:

@@ -18,6 +18,7 @@ import numpy as np
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
+from microgripper_control.diagnosis.data.grid import Grid
 from microgripper_control.diagnosis.data.scales import measure
 from microgripper_control.diagnosis.data.settling import settled
 from microgripper_control.effects.base import Scales
@@ -117,6 +118,11 @@ class Evidence:
         judged = tuple(new.get(id(recording), recording) for recording in self.judged)
         scales = replace(self.scales, clock=clock)
         return replace(self, fitted=tuple(fitted), judged=judged, scales=scales)
+
+    @property
+    def grid(self) -> Grid:
+        """The grid that all readings lie on."""
+        return Grid(self.scales.resolution, self.scales.rounding)
 
     @property
     def apart(self) -> bool:

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from microgripper_control.core.recording import Recording
-from microgripper_control.diagnosis.data.grid import resolution
+from microgripper_control.diagnosis.data.levels import grid_of
 
 LONGEST = 4  # equal readings in a row that noise or a slow voltage may give
 MANY = 1e-3  # of the samples: fewer are not worth a word
@@ -49,7 +49,8 @@ def _rows_of_equals(recording: Recording) -> Iterator[tuple[int, int]]:
     firsts = np.concatenate([[0], change + 1])
     lasts = np.concatenate([change, [len(x) - 1]])
     gain = float(np.ptp(x) / np.ptp(u)) if np.ptp(u) > 0.0 else 0.0
-    allowed = max(MOVES * float(np.ptp(u)), FAR * resolution(x) / gain if gain > 0.0 else 0.0)
+    step = grid_of([recording]).step
+    allowed = max(MOVES * float(np.ptp(u)), FAR * step / gain if gain > 0.0 else 0.0)
     long = lasts - firsts >= LONGEST
     for first, last in zip(firsts[long], lasts[long], strict=True):
         if np.ptp(u[first : last + 1]) > allowed:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from microgripper_control.core.quantities import quantity
 from microgripper_control.diagnosis.data.evidence import MOST_SIMULATED, Evidence
-from microgripper_control.diagnosis.data.grid import rounding
 from microgripper_control.diagnosis.data.noise import quietest, removable
 from microgripper_control.diagnosis.data.residuals import fitted_residuals
 from microgripper_control.diagnosis.fits.trial import Trial
@@ -26,7 +25,7 @@ def unseen_gap(evidence: Evidence, trial: Trial) -> bool:
     fitted = fitted_residuals(evidence, trial.model)
     # A large gap, or what each step leaves, lets an innovation seem larger than the noise is.
     usual = quietest([one.error[one.counted] for one in fitted])
-    floor = min(trial.noise_floor, max(usual, rounding(evidence.scales.resolution)))
+    floor = min(trial.noise_floor, max(usual, evidence.grid.rounding))
     gap, seen = removable(trial.rmse, floor), removable(trial.fitted_rmse, floor)
     shown = SHOWN if evidence.separate else SHOWN_IN_BLOCKS
     return gap > REAL * floor and seen < min(shown * gap, CLEAR * floor)

@@ -83,9 +83,10 @@ def _attempt(
     if not link.starts(evidence.scales):
         return None, "nothing in the recordings to start from"
     if link.read_off:
-        step, error = evidence.scales.resolution, bases[0].trial.fitted_rmse
-        if refuted(step, error, [recording.measured for recording in evidence.fitted]):
-            return None, f"readings on steps of {quantity(step, 'm')} could not follow so closely"
+        grid, error = evidence.grid, bases[0].trial.fitted_rmse
+        if refuted(grid, error, [recording.measured for recording in evidence.fitted]):
+            steps = quantity(grid.step, "m")
+            return None, f"readings on steps of {steps} could not follow so closely"
         return behind(evidence, bases[0].trial, name), ""
     part, anchors = on_a_part(evidence, bases, name, scrutiny.samples)
     shown = rms([anchors[0].residual])

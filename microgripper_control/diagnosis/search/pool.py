@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from microgripper_control.diagnosis.data.evidence import Evidence
-from microgripper_control.diagnosis.data.grid import noise_under, refuted, rounding
+from microgripper_control.diagnosis.data.grid import NO_GRID, Grid, noise_under, refuted
 from microgripper_control.diagnosis.data.noise import removable
 from microgripper_control.diagnosis.fits.credibility import incredible
 from microgripper_control.diagnosis.fits.trial import Trial
@@ -42,18 +42,16 @@ class Pool:
         """
         trials = [self.nominal, self.refit, *self.tried.values()]
         best = sorted(trials, key=lambda trial: trial.rmse)[:3]
-        usual = max(
-            min(trial.quietest for trial in best), rounding(self.evidence.scales.resolution)
-        )
-        if usual < self.step:
+        usual = max(min(trial.quietest for trial in best), self.evidence.grid.rounding)
+        if usual < self.grid.step:
             usual = np.inf
-        return noise_under(min(usual, *(trial.noise_floor for trial in best)), self.step)
+        return noise_under(min(usual, *(trial.noise_floor for trial in best)), self.grid)
 
     @property
-    def step(self) -> float:
-        """m: of the grid that the readings lie on, if that was tried; 0 if not."""
-        grids = [(t, n) for added, t in self.tried.items() for n in added if is_read_off(n)]
-        return max((t.model.value(n, "resolution") for t, n in grids), default=0.0)
+    def grid(self) -> Grid:
+        """The grid that the readings lie on, if that was tried; NO_GRID if not."""
+        tried = any(is_read_off(name) for added in self.tried for name in added)
+        return self.evidence.grid if tried else NO_GRID
 
     def add(self, trial: Trial) -> None:
         """Keep a trial unless a better one of the same effects is there."""
@@ -74,7 +72,7 @@ class Pool:
         chosen = [added for added in self.tried if any(is_read_off(name) for name in added)]
         others = [t.fitted_rmse for added, t in self.tried.items() if added not in chosen]
         readings = [recording.measured for recording in self.evidence.fitted]
-        if refuted(self.step, min(others, default=np.inf), readings):
+        if refuted(self.grid, min(others, default=np.inf), readings):
             for effects in chosen:
                 self._failed(effects, "the readings follow a model too closely")
                 del self.tried[effects]

@@ -13,7 +13,8 @@ import numpy as np
 
 from microgripper_control.core.quantities import percent, quantity, span
 from microgripper_control.diagnosis.data.evidence import rms
-from microgripper_control.diagnosis.data.grid import common_step, refuted, rounding
+from microgripper_control.diagnosis.data.grid import NO_GRID, Grid, refuted
+from microgripper_control.diagnosis.data.levels import grid_of
 from microgripper_control.diagnosis.data.residuals import Residual, gap_power
 from microgripper_control.diagnosis.findings import Signature
 from microgripper_control.diagnosis.signs.bands import find_peaks, resonances, slow_share
@@ -93,20 +94,20 @@ def _moving(spectrum: Spectrum, frequency: float, noise: float) -> bool:
 def sensor_quantization(residuals: Sequence[Residual], noise: float) -> list[Signature]:
     """Readings that repeat, on a grid."""
     readings = [residual.recording.measured for residual in residuals]
-    grid = common_step(readings)
+    grid = grid_of([residual.recording for residual in residuals])
     error = rms([residual.error[residual.counted] for residual in residuals])
     if refuted(grid, error, readings):
-        grid = 0.0
+        grid = NO_GRID
     distinct = min(len(np.unique(one)) / len(one) for one in readings)
-    step = grid if grid > 0.0 else max(float(np.median(np.diff(np.unique(r)))) for r in readings)
-    share = rounding(step)
+    usual = max(float(np.median(np.diff(np.unique(one)))) for one in readings)
+    step, share = grid if grid != NO_GRID else Grid.even(usual)
     size, rounded, floor = (quantity(length, "m") for length in (step, share, noise))
     text = f"steps of {size}, {rounded} rms, with {floor} noise"
-    if distinct > 0.5 and grid == 0.0:
+    if distinct > 0.5 and grid == NO_GRID:
         text = f"{percent(distinct)} of the readings differ, on no grid: no converter rounds them."
         return [Signature("sensor_quantization", False, text)]
     if share > 0.3 * noise:
-        kind = "a grid" if grid > 0.0 else "levels that repeat"
+        kind = "a grid" if grid != NO_GRID else "levels that repeat"
         text = f"The readings lie on {kind}: {text}."
         return [Signature("sensor_quantization", True, text)]
     if share < 0.05 * noise:

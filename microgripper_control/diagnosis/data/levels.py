@@ -1,0 +1,155 @@
+"""The grid of a sensor read off its readings: they lie on levels, or gather about them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from microgripper_control.core.recording import Recording
+from microgripper_control.core.signals import Array
+from microgripper_control.diagnosis.data.grid import NO_GRID, OFTEN, Grid
+
+FINEST = 1e-5  # of the stroke: steps below this are not a sensor's
+ON_GRID = 0.02  # of a step: how far a reading may lie off the grid, rounding of the file included
+FEWEST = 8  # distinct readings, or steps in their range; fewer tell nothing about a grid
+BINS = 1 << 16  # of the range of all readings
+SHARP = 0.4  # how far a comb's density follows its step, noise of a fifth of a step and less,
+ALONE = 0.6  # and how far, of that, it may follow any other
+AGAIN = 2.0  # times that a reading is come back to: one that is merely late is not
+MISSING = 1.5  # usual steps: a wider one has a level within that is never shown,
+SURELY = 10  # if both its ends are read so often: else it was passed over,
+OWNER = 1.5  # and is shown by that end, if by either, that is read so much oftener
+CLEFT = 3.0  # times the widest gap of as many readings at random
+GATHERED = 5  # readings at a level, at least, if noise was added to them
+NARROW = 0.6  # of a step: how far these lie apart
+MOSTLY = 0.8  # of the readings are at such levels
+
+Counts = NDArray[np.intp]
+
+
+def grid_of(recordings: Sequence[Recording]) -> Grid:
+    """The grid that at least half of some recordings show; NO_GRID if there is none.
+
+    Of a converter whose steps are not all alike, the usual one.
+    """
+    readings = [recording.measured for recording in recordings]
+    found = sorted(_on_levels(one) or NO_GRID for one in readings)
+    if (grid := found[len(found) // 2]) != NO_GRID:
+        return grid
+    if step := _comb_step(readings):
+        return Grid.even(step)
+    found = sorted(_gathered(one) or NO_GRID for one in recordings)
+    return found[len(found) // 2]
+
+
+def _on_levels(displacement: Array) -> Grid | None:
+    """The grid that all readings lie on, or come back to."""
+    values, counts = np.unique(displacement, return_counts=True)
+    step = _even_step(values) or _usual_step(displacement, values)
+    return Grid(step, _left_by_rounding(values, counts, step)) if step else None
+
+
+def _even_step(values: Array) -> float:
+    """The step of the grid that different readings lie on, m; 0 if on none."""
+    steps = np.diff(values)
+    steps = steps[steps > FINEST * np.ptp(values)]
+    if len(values) < FEWEST or len(steps) < 0.5 * (len(values) - 1):
+        return 0.0
+    step = float(np.median(steps[steps < 1.5 * np.min(steps)]))
+    for _ in range(3):  # the grid's step from ever longer distances
+        counts = np.rint((values - values[0]) / step)
+        step = float((values - values[0]) @ counts / (counts @ counts))
+    off = np.abs((values - values[0]) / step - counts)
+    return step if float(np.max(off)) < ON_GRID else 0.0
+
+
+def _usual_step(displacement: Array, values: Array) -> float:
+    """The step between levels that readings come back to, m: steps of a few sizes."""
+    visits = 1 + np.count_nonzero(np.diff(displacement))
+    often = len(displacement) > OFTEN * len(values) and visits > AGAIN * len(values)
+    return float(np.median(np.diff(values))) if len(values) >= FEWEST and often else 0.0
+
+
+def _left_by_rounding(levels: Array, counts: Counts, step: float) -> float:
+    """What rounding to levels that were read so many times leaves, m rms.
+
+    Each level stands for the positions from half way to the one below to half way to the one above.
+    """
+    apart = np.diff(levels)
+    below = np.append(0.5 * step, 0.5 * apart)
+    above = np.append(0.5 * apart, 0.5 * step)
+    wide = apart > MISSING * step
+    seen = np.minimum(counts[:-1], counts[1:]) >= SURELY
+    for index in np.flatnonzero(wide):
+        ends = 0.5 * step, 0.5 * step
+        if seen[index]:
+            ends = _shared(apart[index], step, counts[index], counts[index + 1])
+        above[index], below[index + 1] = ends
+    squares = (below**3 + above**3) / (3.0 * (below + above))  # uniform within each
+    return float(np.sqrt(np.average(squares, weights=counts)))
+
+
+def _shared(apart: float, step: float, lower: int, upper: int) -> tuple[float, float]:
+    """How far two levels reach into a wide gap between them, m."""
+    if lower > OWNER * upper:
+        return apart - 0.5 * step, 0.5 * step
+    if upper > OWNER * lower:
+        return 0.5 * step, apart - 0.5 * step
+    return 0.5 * apart, 0.5 * apart
+
+
+def _comb_step(readings: Sequence[Array]) -> float:
+    """The step of a grid with noise on top, which a cable or a second converter adds, m; or 0.
+
+    The readings' density is then a comb: its spectrum has one line, and that line's multiples. The
+    few places at which a staircase stays give many lines, but other ones in each recording.
+    """
+    widest = max(float(np.ptp(one)) for one in readings)
+    if min(len(np.unique(one)) for one in readings) < FEWEST:
+        return 0.0
+    combs = [_density(one, widest) for one in readings]
+    lines = np.mean([np.abs(np.fft.rfft(one))[: BINS // FEWEST] for one in combs], axis=0)
+    lines[:FEWEST] = 0.0
+    steps = int(np.argmax(lines))
+    line, number = lines[steps], np.arange(len(lines))
+    away = np.abs(number - steps * np.rint(number / steps)) > 3.0 * np.maximum(number / steps, 1.0)
+    if line < SHARP or np.max(lines[away], initial=0.0) > ALONE * line:
+        return 0.0
+    near = steps + np.linspace(-0.5, 0.5, 41)
+    turns = np.exp(2j * np.pi * np.outer(near, np.arange(BINS) / BINS))
+    return widest / float(near[np.argmax(sum(np.abs(turns @ one) for one in combs))])
+
+
+def _density(displacement: Array, widest: float) -> Array:
+    """The square root of how often readings are in each of the bins of a range, m; sum 1."""
+    low = float(np.min(displacement))
+    density = np.sqrt(np.histogram(displacement, BINS, (low, low + widest))[0])
+    return np.asarray(density / np.sum(density))
+
+
+def _gathered(recording: Recording) -> Grid | None:
+    """The grid of uneven steps about whose levels readings gather, with little noise on top.
+
+    There are clefts between them then, wider than any gap of readings that lie at random. Looked at
+    are those during which the voltage moves on: elsewhere they gather where it stays.
+    """
+    ways = np.sign(np.diff(recording.voltage))
+    moving = recording.measured[1:-1][(ways[1:] == ways[:-1]) & (ways[1:] != 0.0)]
+    readings = np.sort(moving)
+    gaps = np.diff(readings)
+    if len(gaps) == 0:
+        return None
+    clefts = np.flatnonzero(gaps > CLEFT * np.log(len(readings)) * np.median(gaps))
+    groups = [group for group in np.split(readings, clefts + 1) if len(group) >= GATHERED]
+    visits = 1 + np.count_nonzero(np.diff(np.searchsorted(readings[clefts], moving)))
+    if len(groups) < FEWEST or visits < AGAIN * len(groups):
+        return None
+    levels = np.array([float(np.mean(group)) for group in groups])
+    counts = np.array([len(group) for group in groups])
+    step = float(np.median(np.diff(levels)))
+    narrow = np.array([np.ptp(group) for group in groups]) < NARROW * step
+    if np.sum(counts[narrow]) < MOSTLY * len(readings):
+        return None
+    return Grid(step, _left_by_rounding(levels, counts, step))
