@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.signal import cont2discrete, lfilter
 
 from microgripper_control.core.signals import POSITION, Array
@@ -32,6 +33,30 @@ def test_alone_it_is_exact(alone: Alone, share: float) -> None:
     out = alone("extra_resonance", values, x, (0.4e-3,), row=POSITION, ramped=True)
     numerator, denominator, _ = cont2discrete(mode(**values), 0.4e-3, "foh")
     np.testing.assert_allclose(out, lfilter(numerator[0], denominator, x), atol=1e-9)
+
+
+@pytest.mark.parametrize(("drag", "hardening"), [(3e4, 0.0), (0.0, 4e10), (2e4, -2e10)])
+def test_drag_and_hardening_against_an_integrator(
+    alone: Alone, drag: float, hardening: float
+) -> None:
+    """Steps of 2 um to a mode of 40 Hz."""
+    step, omega = 0.25e-3, 2.0 * np.pi * 40.0
+    time = step * np.arange(2000)
+    x = 2e-6 * np.interp(time, [0.0, 0.002, 0.2, 0.202], [0.0, 1.0, 1.0, 0.0])
+
+    def law(t: float, state: Array) -> list[float]:
+        q, v = state
+        away = q - np.interp(t, time, x)
+        pull = omega**2 * (1.0 + hardening * away**2) * away
+        return [v, -(2.0 * 0.01 * omega + drag * abs(v)) * v - pull]
+
+    exact = solve_ivp(law, time[[0, -1]], [0.0, 0.0], t_eval=time, rtol=1e-9, max_step=step)
+    values = {"share": 1.0, "frequency": 40.0, "damping": 0.01}
+    found, linear = (
+        alone("extra_resonance", values | more, x, (step,), row=POSITION, ramped=True)
+        for more in ({"drag": drag, "hardening": hardening}, {})
+    )
+    assert np.std(found - exact.y[0]) < 0.02 * np.std(linear - exact.y[0])
 
 
 @every_share
