@@ -1,6 +1,7 @@
 """What a fit costs: how many rows of coefficients a sample takes.
 
-A force is balanced within each sample, many times where the mass rings or the way counts.
+A force is balanced within each sample, many times where the mass rings or the way counts, and all
+that many times over where a band-limited voltage bends.
 """
 
 from __future__ import annotations
@@ -11,9 +12,10 @@ from microgripper_control.core.signals import ROWS
 from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.fits.trial import Trial
 from microgripper_control.effects.registry import registry
+from microgripper_control.plant.bandlimited import course
 from microgripper_control.plant.chain import Chain
 from microgripper_control.plant.model import Model
-from microgripper_control.plant.simulate import Hold
+from microgripper_control.plant.simulate import Hold, Initial
 
 MOST_ROWS = 2e7  # of coefficients in a simulation with forces: what makes it longer does not join
 MANY_ROWS = 10  # of coefficients a sample: by place, and at rest at its end, a force takes five
@@ -62,7 +64,19 @@ def _with(evidence: Evidence, trial: Trial, effect: str) -> Model | None:
 
 def _labour_of_forces(evidence: Evidence, model: Model) -> int:
     """Rows of coefficients a sample of a model with forces takes; 0 without any."""
-    return _labour(evidence, model) if any(map(is_force, model.effects)) else 0
+    if not any(map(is_force, model.effects)):
+        return 0
+    return _divisions(evidence) * _labour(evidence, model)
+
+
+def _divisions(evidence: Evidence) -> int:
+    """Into how many a sample period is divided, at most, as the voltage bends within it."""
+    if evidence.conditions.hold is not Hold.BANDLIMITED:
+        return 1
+    periodic = evidence.conditions.initial is Initial.PERIODIC
+    voltages = [recording.voltage for recording in evidence.fitted]
+    driven = [np.append(one, one[0]) if periodic else one for one in voltages]
+    return max(course(one, periodic).divisions for one in driven)
 
 
 def _labour(evidence: Evidence, model: Model) -> int:

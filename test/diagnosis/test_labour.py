@@ -1,0 +1,33 @@
+"""What makes a force costly."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from microgripper_control.core.recording import Recording
+from microgripper_control.diagnosis.data.evidence import Evidence
+from microgripper_control.diagnosis.search.labour import is_costly
+from microgripper_control.identification.nuisance import Conditions
+from microgripper_control.plant.model import nominal_model
+from microgripper_control.plant.simulate import Hold, simulate
+
+PERIOD = 1e-3
+
+
+@pytest.mark.parametrize(
+    ("hold", "frequency", "costly"),
+    [
+        (Hold.FIRST, 150.0, False),
+        (Hold.BANDLIMITED, 150.0, True),  # a sample period is divided as the voltage bends
+        (Hold.BANDLIMITED, 0.2, False),
+    ],
+)
+def test_a_force_is_costly_where_the_voltage_bends(
+    hold: Hold, frequency: float, costly: bool
+) -> None:
+    voltage = 75.0 - 70.0 * np.cos(2.0 * np.pi * frequency * PERIOD * np.arange(2000))
+    answer = simulate(nominal_model(), voltage, PERIOD, hold=hold)
+    run = Recording("run", PERIOD, voltage, answer)
+    evidence = Evidence.gather([run], [], Conditions(hold), nominal_model())
+    assert is_costly(evidence, nominal_model().with_link("nonlinear_stiffness")) == costly
