@@ -35,20 +35,23 @@ def grid_of(recordings: Sequence[Recording]) -> Grid:
     Of a converter whose steps are not all alike, the usual one.
     """
     readings = [recording.measured for recording in recordings]
-    found = sorted(_on_levels(one) or NO_GRID for one in readings)
-    if (grid := found[len(found) // 2]) != NO_GRID:
+    if (grid := _of_half([_on_levels(one) for one in readings])) != NO_GRID:
         return grid
     if step := _comb_step(readings):
         return Grid.even(step)
-    found = sorted(_gathered(one) or NO_GRID for one in recordings)
-    return found[len(found) // 2]
+    return _of_half([_gathered(one) for one in recordings])
 
 
-def _on_levels(displacement: Array) -> Grid | None:
+def _of_half(grids: Sequence[Grid]) -> Grid:
+    """The median of some grids, by their steps."""
+    return sorted(grids)[len(grids) // 2]
+
+
+def _on_levels(displacement: Array) -> Grid:
     """The grid that all readings lie on, or come back to."""
     values, counts = np.unique(displacement, return_counts=True)
     step = _even_step(values) or _usual_step(displacement, values)
-    return Grid(step, _left_by_rounding(values, counts, step)) if step else None
+    return Grid(step, _left_by_rounding(values, counts, step)) if step else NO_GRID
 
 
 def _even_step(values: Array) -> float:
@@ -66,7 +69,7 @@ def _even_step(values: Array) -> float:
 
 
 def _usual_step(displacement: Array, values: Array) -> float:
-    """The step between levels that readings come back to, m: steps of a few sizes."""
+    """The step between levels that readings come back to, m: steps of a few sizes; 0 if on none."""
     visits = 1 + np.count_nonzero(np.diff(displacement))
     often = len(displacement) > OFTEN * len(values) and visits > AGAIN * len(values)
     return float(np.median(np.diff(values))) if len(values) >= FEWEST and often else 0.0
@@ -129,7 +132,7 @@ def _density(displacement: Array, widest: float) -> Array:
     return np.asarray(density / np.sum(density))
 
 
-def _gathered(recording: Recording) -> Grid | None:
+def _gathered(recording: Recording) -> Grid:
     """The grid of uneven steps about whose levels readings gather, with little noise on top.
 
     There are clefts between them then, wider than any gap of readings that lie at random. Looked at
@@ -140,16 +143,16 @@ def _gathered(recording: Recording) -> Grid | None:
     readings = np.sort(moving)
     gaps = np.diff(readings)
     if len(gaps) == 0:
-        return None
+        return NO_GRID
     clefts = np.flatnonzero(gaps > CLEFT * np.log(len(readings)) * np.median(gaps))
     groups = [group for group in np.split(readings, clefts + 1) if len(group) >= GATHERED]
     visits = 1 + np.count_nonzero(np.diff(np.searchsorted(readings[clefts], moving)))
     if len(groups) < FEWEST or visits < AGAIN * len(groups):
-        return None
+        return NO_GRID
     levels = np.array([float(np.mean(group)) for group in groups])
     counts = np.array([len(group) for group in groups])
     step = float(np.median(np.diff(levels)))
     narrow = np.array([np.ptp(group) for group in groups]) < NARROW * step
     if np.sum(counts[narrow]) < MOSTLY * len(readings):
-        return None
+        return NO_GRID
     return Grid(step, _left_by_rounding(levels, counts, step))
