@@ -41,6 +41,7 @@ def test_what_an_effect_was_alone_is_a_guess_for_beside_others() -> None:
     voltage = 60.0 + 50.0 * np.sign(np.sin(2.0 * np.pi * 0.9 * 1e-3 * np.arange(6000)))
     mode = {"share": 0.02, "frequency": 41.6, "damping": 0.01}
     rig = paper.with_link("extra_resonance", **mode)
+    mode = rig.values("extra_resonance")
     noise = np.random.default_rng(2).normal(0.0, 5e-9, len(voltage))
     recording = Recording("run", 1e-3, voltage, simulate(rig, voltage, 1e-3) + noise)
     evidence = Evidence.gather([recording], (), Conditions(), paper)

@@ -16,7 +16,7 @@ sampling rate come out within 2 % of what they do to the displacement.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
@@ -26,6 +26,8 @@ from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import number, quantity
 from microgripper_control.core.signals import POSITION, Array, Timing
 from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
+
+DRAG = 1e4  # 1/m, a first guess
 
 
 @compiled
@@ -56,13 +58,22 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
 
 
 def starts(scales: Scales) -> Sequence[Values]:
-    """Modes all over the band that the samples show, so damped that none is missed between."""
+    """Modes all over the band that the samples show, so damped that none is missed between.
+
+    Of every other one a second, which drags.
+    """
     highest = 0.5 / scales.sample_period
     lowest = max(1.0, 5.0 / scales.duration, 2e-3 * highest)
-    return [
+    modes = [
         {"share": 0.1, "frequency": frequency, "damping": 0.04}
         for frequency in np.geomspace(lowest, highest, 70)
     ]
+    return [*modes, *(mode | {"drag": DRAG} for mode in modes[::2])]
+
+
+def idle(values: Values) -> Collection[str]:
+    """A fit of small swings tells nothing of large ones, so what does not drag stays straight."""
+    return ("drag", "hardening") if values["drag"] == 0.0 else ()
 
 
 def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
@@ -100,6 +111,7 @@ LINK = Link(
     kernel=kernel,
     follows=True,
     starts=starts,
+    idle=idle,
     plausible=plausible,
     says=says,
 )
