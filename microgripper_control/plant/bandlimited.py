@@ -36,7 +36,7 @@ class Course(NamedTuple):
 
 
 def course(voltage: Array, periodic: bool) -> Course:
-    """The course of a voltage, V, shape (n,); the last of a periodic one is the first again."""
+    """The course of a voltage, V, shape (n,); that of a periodic one runs back to its first."""
     return _course(voltage.tobytes(), periodic)
 
 
@@ -54,7 +54,7 @@ def _course(samples: bytes, periodic: bool) -> Course:
 
 def _period(voltage: Array) -> tuple[Array, float, float]:
     """FINEST points a sample period, and the next ones before and after them."""
-    fine = _finer(voltage[:-1])
+    fine = _finer(voltage)
     return np.append(fine, fine[:1]), fine[-1], fine[1]
 
 

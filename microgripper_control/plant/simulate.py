@@ -65,7 +65,7 @@ def simulate(
     levels = _initial_levels(model, voltage, ramped, initial, initial_hysteresis)
     periodic = initial is Initial.PERIODIC
     driven = np.append(voltage, voltage[0]) if periodic else voltage
-    smooth = course(driven, periodic) if hold is Hold.BANDLIMITED else None
+    smooth = course(voltage, periodic) if hold is Hold.BANDLIMITED else None
     divisions = smooth.divisions if smooth else 1
     chain = Chain(
         model,

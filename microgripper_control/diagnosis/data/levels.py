@@ -81,15 +81,13 @@ def _left_by_rounding(levels: Array, counts: Counts, step: float) -> float:
     Each level stands for the positions from half way to the one below to half way to the one above.
     """
     apart = np.diff(levels)
-    below = np.append(0.5 * step, 0.5 * apart)
-    above = np.append(0.5 * apart, 0.5 * step)
     wide = apart > MISSING * step
-    seen = np.minimum(counts[:-1], counts[1:]) >= SURELY
-    for index in np.flatnonzero(wide):
-        ends = 0.5 * step, 0.5 * step
-        if seen[index]:
-            ends = _shared(apart[index], step, counts[index], counts[index + 1])
-        above[index], below[index + 1] = ends
+    surely = np.minimum(counts[:-1], counts[1:]) >= SURELY
+    reach = 0.5 * np.where(wide, step, apart)
+    below, above = np.append(0.5 * step, reach), np.append(reach, 0.5 * step)
+    for index in np.flatnonzero(wide & surely):
+        shared = _shared(apart[index], step, counts[index], counts[index + 1])
+        above[index], below[index + 1] = shared
     squares = (below**3 + above**3) / (3.0 * (below + above))  # uniform within each
     return float(np.sqrt(np.average(squares, weights=counts)))
 

@@ -74,9 +74,7 @@ def _divisions(evidence: Evidence) -> int:
     if evidence.conditions.hold is not Hold.BANDLIMITED:
         return 1
     periodic = evidence.conditions.initial is Initial.PERIODIC
-    voltages = [recording.voltage for recording in evidence.fitted]
-    driven = [np.append(one, one[0]) if periodic else one for one in voltages]
-    return max(course(one, periodic).divisions for one in driven)
+    return max(course(recording.voltage, periodic).divisions for recording in evidence.fitted)
 
 
 def _labour(evidence: Evidence, model: Model) -> int:
