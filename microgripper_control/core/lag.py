@@ -31,17 +31,21 @@ def _free_decay(a1: float, a2: float, step: float) -> tuple[float, float, float,
 
 
 def lag_rows(a1: float, a2: float, timing: Timing) -> Array:
-    """Coefficients of `advance_lag` for each step of a sample period, shape (steps, 7).
+    """Coefficients of `advance_lag` for each step of a sample period, shape (steps, 6).
 
     `a1` in s, `a2` in s^2. Without any lag, if both vanish, they are zeros, which give y = u.
     """
     if a1 < SHORTEST and a2 < SHORTEST**2:
-        return np.zeros((len(timing.steps), 7))
+        return np.zeros((len(timing.steps), 6))
     a2 = max(a2, SMALLEST_A2 * a1 * a1)
     rows = []
     for step in timing.steps:
-        course = (1.0, 1.0 / step, a1 / step) if timing.ramped else (0.0, 0.0, 0.0)
-        rows.append((*_free_decay(a1, a2, step), *course))
+        yy, yv, vy, vv = _free_decay(a1, a2, step)
+        course = (-yy, -vy)
+        if timing.ramped:  # the line that y runs towards is `late` times u's rise below u
+            late, slope = a1 / step, 1.0 / step
+            course = ((yy - 1.0) * late - yv * slope, vy * late + (1.0 - vv) * slope)
+        rows.append((yy, yv, vy, vv, *course))
     return np.array(rows)
 
 
@@ -51,10 +55,13 @@ def order(curvature: float) -> str:
 
 
 @compiled
-def advance_lag(c: Array, y: float, v: float, old: float, new: float) -> tuple[float, float]:
-    """Return y and v = y' after a step over which u went from `old` to `new`; c from `lag_rows`."""
-    rise = new - old
-    end = new - c[6] * rise  # of the line that y runs towards
-    begin, slope = end - c[4] * rise, c[5] * rise
-    y, v = y - begin, v - slope
-    return end + c[0] * y + c[1] * v, slope + c[2] * y + c[3] * v
+def advance_lag(c: Array, away: float, v: float, rise: float) -> tuple[float, float]:
+    """Return y - u and v = y' after a step over which u rose by `rise`; c from `lag_rows`.
+
+    The distance from u is what is carried on: at rest it stays 0 to the bit. What is new comes
+    last, so that the next step waits for no more than two products.
+    """
+    return (
+        c[0] * away + (c[1] * v + c[4] * rise),
+        c[2] * away + (c[3] * v + c[5] * rise),
+    )

@@ -24,8 +24,9 @@ POSITION = 3  # m, displacement of the finger, then the sensor's reading of it
 ROWS = 4
 
 # What links tell each other beside the levels at which these rest when a run begins:
-GONE = 4  # m, how far the free displacement has gone since it last turned
-LEVELS = 5
+LOW, HIGH = 4, 5  # the ends of the drive's range: V, then m, free displacement, then position
+RISEN, FALLEN = 6, 7  # how far h speaks for a way up from the low end, down from the high one
+LEVELS = 8
 
 
 @dataclass(frozen=True)

@@ -51,8 +51,8 @@ class Prepared:
 
 
 # prepare(values, timing, levels): `levels` holds, for each row of the bus, the level at which the
-# plant rests when the run begins, and how far it had GONE since it turned; the link reads its
-# input's and writes its output's.
+# plant rests when the run begins, and what h tells of the way there (`effects.past`); the link
+# reads its input's and writes its output's.
 Prepare = Callable[[Values, Timing, Array], Prepared]
 
 # kernel(coefficients, state, bus): works through the columns of the bus in place. Column j uses row

@@ -29,9 +29,10 @@ import numpy as np
 from scipy.linalg import expm
 
 from microgripper_control.core.compiled import address_of
-from microgripper_control.core.signals import FREE, GONE, HYSTERESIS, POSITION, ROWS, Array, Timing
+from microgripper_control.core.signals import FREE, HIGH, LOW, POSITION, ROWS, Array, Timing
 from microgripper_control.effects import force_balance as layout
 from microgripper_control.effects.base import Load, Prepared, Values
+from microgripper_control.effects.past import ways
 
 FINE = 0.3  # rad
 FINE_BY_PATH = 0.16  # rad; for weak forces that follow it, by their share in the stiffness ** -1/4
@@ -49,10 +50,7 @@ FOREVER = 1e9  # s
 
 
 def prepare(values: Values, timing: Timing, levels: Array, loads: Sequence[Load]) -> Prepared:
-    """As `second_order.prepare`. At rest the mass has come slowly and one way from x = 0.
-
-    If h has not the sign of the voltage, it has come back from the other side.
-    """
+    """As `second_order.prepare`. At rest the mass has come slowly, as h has it."""
     carried = sum(force.states for force, _ in loads)
     laws = [_row([len(loads), carried, float(any(force.brakes for force, _ in loads))])]
     for force, given in loads:
@@ -65,14 +63,23 @@ def prepare(values: Values, timing: Timing, levels: Array, loads: Sequence[Load]
     for step, spans in zip(timing.steps, divided, strict=True):
         substeps += _substeps(values, omega, step, spans, timing.ramped)
     state = np.zeros(layout.CARRIED + 2 * carried)
-    rest = np.zeros((ROWS, 3))  # the last time it only refines
-    rest[FREE] = levels[FREE]
-    h = levels[HYSTERESIS]
-    if h * (levels[FREE] + h) <= 0.0:
-        rest[FREE, 0] -= levels[GONE]
-    layout.kernel(np.array([*laws, _rest(values)]), state, rest)
-    levels[POSITION] = rest[POSITION, 2]
+    still = np.array([*laws, _rest(values)])
+    for share, way in ways(levels, FREE):
+        came = np.zeros_like(state)
+        _go(still, came, way)
+        state += share * came
+    levels[[HIGH, LOW]] = _go(still, np.zeros_like(state), levels[[HIGH, LOW]].tolist())
+    levels[POSITION] = _go(still, state, (levels[FREE],))[0]  # only refines
     return Prepared(np.array([*laws, *substeps]), state, ramped=True)
+
+
+def _go(still: Array, state: Array, way: Sequence[float]) -> Array:
+    """Take a mass slowly along a way of the free displacement, m; where it turns and ends, m."""
+    bus = np.zeros((ROWS, len(way)))
+    bus[FREE] = way
+    layout.kernel(still, state, bus)
+    positions: Array = bus[POSITION]
+    return positions
 
 
 def natural_frequency(values: Values, loads: Sequence[Load] = ()) -> float:

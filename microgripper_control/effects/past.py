@@ -1,24 +1,37 @@
-"""What the hysteresis tells of the time before a run."""
+"""What the hysteresis tells of the time before a run: on which way the rig came to where it rests.
 
-import math
+A force or a play remembers that way, and nothing but h is left of it. So three pasts are thought
+of: a first way from rest, and, in a rig that has been everywhere, a way up from the low end of the
+drive and one down from the high end. Each would leave an h of its own; the h that was found speaks
+for the two beside it, in proportion.
+"""
 
-NEVER = -0.95  # of what h saturates at: closer to it the way would have no end
+import numpy as np
+
+from microgripper_control.core.signals import FALLEN, HIGH, LOW, RISEN, Array
 
 
-def gone_since_turn(h: float, alpha: float, per_way: tuple[float, float]) -> float:
-    """How far the free displacement has gone since it last turned, m, with its sign, from h, m.
+def shares_of_ways(h: float, first: float, risen: float, fallen: float) -> tuple[float, float]:
+    """How far h, m, speaks for a way up and for one down, each 0 to 1, together at most 1.
 
-    It is taken to have turned at -h, as in a loop that is gone through over and over. A loop opens
-    by `alpha` of the way; on the way to zero and on the way from there the share `per_way`, 1/m, of
-    h is forgotten, so that the two parts are longer or shorter than |h| / alpha.
+    `first`, `risen`, `fallen`, m, are what h would be after each of the three ways; what is left of
+    1 is for the first.
     """
-    if alpha == 0.0:
-        return 0.0
-    back, on = (share * abs(h) / alpha for share in per_way)
-    return h / alpha * (_stretched(back) + _stretched(-on))
+    known = np.array([risen, fallen, first])
+    order = np.argsort(known, kind="stable")
+    up, down = (np.interp(h, known[order], np.eye(3)[way][order]) for way in (0, 1))
+    return float(up), float(down)
 
 
-def _stretched(x: float) -> float:
-    """ln(1 + x) / x: how much longer a way to h is than without forgetting."""
-    x = max(x, NEVER)
-    return math.log1p(x) / x if x != 0.0 else 1.0
+def ways(levels: Array, row: int) -> list[tuple[float, tuple[float, ...]]]:
+    """How far h speaks for each way that a signal may have come, and its turns and its end, m.
+
+    `row` of the levels (shape (LEVELS,)) is where the signal rests.
+    """
+    end, low, high, risen, fallen = (float(levels[i]) for i in (row, LOW, HIGH, RISEN, FALLEN))
+    known = (
+        (1.0 - risen - fallen, (end,)),
+        (risen, (high, low, end)),
+        (fallen, (low, high, end)),
+    )
+    return [(share, way) for share, way in known if share > 0.0]

@@ -4,7 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from microgripper_control.core.signals import LEVELS, POSITION, ROWS, VOLTAGE, Array, Timing
+from microgripper_control.core.signals import (
+    HIGH,
+    LEVELS,
+    LOW,
+    POSITION,
+    ROWS,
+    VOLTAGE,
+    Array,
+    Timing,
+)
 from microgripper_control.effects import conversion_clock
 from microgripper_control.effects.base import Kernel, Link, Load, Prepared, Stage, Values
 from microgripper_control.plant.model import Model
@@ -37,6 +46,7 @@ class Chain:
         jumps |= {i / divisions for i in range(divisions)}
         self.timing = timing = Timing.divide(sample_period, jumps, breaks, ramped)
         levels = np.append(levels, np.zeros(LEVELS - ROWS))
+        levels[[LOW, HIGH]] = model.voltage_range
         self._continuous: list[tuple[Kernel, Array, Array]] = []
         self._sampled: list[tuple[Kernel, Array, Array]] = []
         self._lasting: list[Array] = []

@@ -43,6 +43,13 @@ class Near(NamedTuple):
     cheap: float
     costly: float
 
+    @classmethod
+    def of(cls, alone: bool, pool: Pool) -> Near:
+        """The less the effects that were tried alone have left to explain, the nearer."""
+        if not alone:
+            return cls(NEAR, NEAR_IF_JOINED)
+        return cls(NEAR, NEARER) if pool.unexplained else cls(NEARER, NEAR_IF_JOINED)
+
 
 Progress = Callable[[str, int, int], None]  # what is being tried, how many are done, of how many
 
@@ -68,18 +75,8 @@ def play(
     if most < len(names):
         names = _promising(evidence, bases, names, shown, pool, jobs)[:most]
     before = bases[0].trial
-    # What leaves nothing to explain cannot lose to another effect: a look at each is enough.
     alone = before is pool.refit
-    wanting = alone and pool.unexplained
-    near = Near(
-        cheap=NEAR if wanting or not alone else NEARER,
-        costly=NEARER if wanting else NEAR_IF_JOINED,
-    )
-    known = min((trial.fitted_rmse for trial in pool.tried.values()), default=np.inf)
-    scrutiny = Scrutiny(PART, known=known)
-    if not wanting:
-        starts = STARTS if alone else MOST_STARTS
-        scrutiny = Scrutiny(GLANCE, starts, near.costly * known, known)
+    scrutiny = _scrutiny(alone, pool)
     tasks = [
         (evidence, bases, name, scrutiny._replace(alone=() if alone else _by_itself(name, pool)))
         for name in _long_first(names, evidence.scales)
@@ -95,10 +92,22 @@ def play(
     for trial in found:
         pool.add(trial)
     # Far from the base its derivatives mislead: the best go on with fresh ones.
-    if pool.leaves_more(before) and (best := _going_on(evidence, before, found, near, pool)):
+    if pool.leaves_more(before) and (best := _going_on(evidence, before, found, alone, pool)):
         progress("the best of them", 0, 1)
         for trial in side_by_side(polish, [(evidence, trial) for trial in best], jobs):
             pool.add(trial)
+
+
+def _scrutiny(alone: bool, pool: Pool) -> Scrutiny:
+    """How far effects are worth being fitted, by what the best of the others leaves.
+
+    What leaves nothing to explain cannot lose to another effect: a look at each is enough.
+    """
+    known = min((trial.fitted_rmse for trial in pool.tried.values()), default=np.inf)
+    if alone and pool.unexplained:
+        return Scrutiny(PART, known=known)
+    hopeless = Near.of(alone, pool).costly * known
+    return Scrutiny(GLANCE, STARTS if alone else MOST_STARTS, hopeless, known)
 
 
 def _long_first(names: Sequence[str], scales: Scales) -> list[str]:
@@ -139,9 +148,10 @@ def _by_itself(name: str, pool: Pool) -> list[Values]:
 
 
 def _going_on(
-    evidence: Evidence, before: Trial, found: Sequence[Trial], near: Near, pool: Pool
+    evidence: Evidence, before: Trial, found: Sequence[Trial], alone: bool, pool: Pool
 ) -> list[Trial]:
     """Those found that leave no more than so many times the least."""
+    near = Near.of(alone, pool)
     fits = [t for t in found if t.free != before.free and np.isfinite(t.fitted_rmse)]
     others = [trial for trial in pool.tried.values() if len(trial.free) > len(before.free)]
     least = min((trial.fitted_rmse for trial in (*fits, *others)), default=np.inf)

@@ -46,35 +46,36 @@ def breaks(values: Values, sample_period: float) -> set[float]:
 
 @compiled
 def kernel(coefficients: Array, state: Array, bus: Array) -> None:
-    """State: w, its slope, input so far, and, if there is a third lag, output and its slope.
+    """State: w - u, w', u so far, and, if there is a third lag, the same of its output and w.
 
     The coefficients' second half are those of the third lag.
     """
-    w, v, old = state[0], state[1], state[2]
+    away, v, old = state[0], state[1], state[2]
     further = state.shape[0] > 3
     steps = coefficients.shape[0] // 2 if further else coefficients.shape[0]
     row = 0
     for j in range(bus.shape[1]):
-        new, before = bus[VOLTAGE, j], w
-        w, v = advance_lag(coefficients[row], w, v, old, new)
-        old = new
+        new, before = bus[VOLTAGE, j], old + away
+        away, v = advance_lag(coefficients[row], away, v, new - old)
+        old, w = new, new + away
+        bus[VOLTAGE, j] = w
         if further:
             state[3], state[4] = advance_lag(
-                coefficients[steps + row], state[3], state[4], before, w
+                coefficients[steps + row], state[3], state[4], w - before
             )
-        bus[VOLTAGE, j] = state[3] if further else w
+            bus[VOLTAGE, j] = w + state[3]
         row = row + 1 if row + 1 < steps else 0
-    state[0], state[1], state[2] = w, v, old
+    state[0], state[1], state[2] = away, v, old
 
 
 def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     """The levels are left alone: the gain at rest is one."""
     third = values["third"] * values["lag"]
-    lag, level = values["lag"] - third, levels[VOLTAGE]
-    rows, state = lag_rows(lag, values["curvature"] * lag**2, timing), [level, 0.0, level]
+    lag = values["lag"] - third
+    rows, state = lag_rows(lag, values["curvature"] * lag**2, timing), [0.0, 0.0, levels[VOLTAGE]]
     if third > 0.0:
         rows = np.vstack([rows, lag_rows(third, 0.0, replace(timing, ramped=True))])
-        state += [level, 0.0]
+        state += [0.0, 0.0]
     return Prepared(rows, np.array(state), ramped=True)
 
 

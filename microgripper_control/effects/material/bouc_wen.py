@@ -20,13 +20,24 @@ import numpy as np
 
 from microgripper_control.core.compiled import compiled, inlined
 from microgripper_control.core.parameters import Parameter
-from microgripper_control.core.signals import FREE, GONE, HYSTERESIS, VOLTAGE, Array, Timing
+from microgripper_control.core.signals import (
+    FALLEN,
+    FREE,
+    HIGH,
+    HYSTERESIS,
+    LOW,
+    RISEN,
+    VOLTAGE,
+    Array,
+    Timing,
+)
 from microgripper_control.effects.base import Link, Prepared, Stage, Values
-from microgripper_control.effects.past import gone_since_turn
+from microgripper_control.effects.past import shares_of_ways
 
 LARGEST_CURVATURE = 0.03  # of one Runge-Kutta step: its error is then below 1e-8 of h
 SMALLEST_GROWTH = 0.15  # of |h|^n in one step, because |h|^n is not smooth at zero
 STRAIGHT = 1e-8  # so near zero that the terms in |h|^n are less than this beside alpha d
+LOOPS = 3  # over all of the drive's range, of a rig that has been everywhere
 
 
 @inlined
@@ -184,18 +195,30 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     """State: the voltage and h so far. The hysteresis is rate-independent: the course is kept."""
     d = values["d"]
     row = (d, values["alpha"] * d, values["beta"], values["gamma"], values["n"])
-    h = levels[HYSTERESIS]
-    levels[FREE] = d * levels[VOLTAGE] - h
-    levels[GONE] = _gone(values, h)
-    state = np.array([levels[VOLTAGE], h])
+    u, h = levels[VOLTAGE], levels[HYSTERESIS]
+    levels[FREE] = d * u - h
+    levels[[LOW, HIGH, RISEN, FALLEN]] = _ways(row, u, h, min(levels[LOW], u), max(levels[HIGH], u))
+    state = np.array([u, h])
     return Prepared(np.array([row]), state, timing.ramped)
 
 
-def _gone(values: Values, h: float) -> float:
-    """How far d u has gone since it turned, m; for n > 1 as if h were forgotten at one rate."""
-    beta, gamma = values["beta"], values["gamma"]
-    share = abs(h) ** (values["n"] - 1.0) / values["d"]
-    return gone_since_turn(h, values["alpha"], (share * (beta - gamma), share * (beta + gamma)))
+def _ways(c: tuple[float, ...], u: float, h: float, low: float, high: float) -> tuple[float, ...]:
+    """Free displacement, m, at the ends of a drive's range, V, and how far h speaks for two ways.
+
+    `c` is a row of the kernel's coefficients.
+    """
+    d, *law = c
+    top = advance(0.0, high, *law)
+    for _ in range(LOOPS):
+        bottom = advance(top, low - high, *law)
+        top = advance(bottom, high - low, *law)
+    ends = d * low - bottom, d * high - top
+    if not np.all(np.isfinite(ends)):
+        return 0.0, 0.0, 0.0, 0.0  # it is not bounded over so long a way
+    first, risen, fallen = (
+        advance(before, way, *law) for before, way in ((0.0, u), (bottom, u - low), (top, u - high))
+    )
+    return *ends, *shares_of_ways(h, first, risen, fallen)
 
 
 RATE_UNIT = "1/(V*m^(n-1))"

@@ -50,12 +50,12 @@ def _back(at: int, places: int, size: int) -> int:
 
 @compiled
 def kernel(coefficients: Array, state: Array, bus: Array) -> None:
-    """State: y, y', m, the part of m from whole steps, their count, the newest place in two rings.
+    """State: y - m, y', m, the part of m from whole steps, their count, the newest place in rings.
 
-    Then the rings: x at the ends of past steps, and what each step as a whole gives to m. The
+    Then the two rings: x at the ends of past steps, and what each step as a whole gives to m. The
     coefficients are the filter's, then what `_window` gives, then half of what a step gives to m.
     """
-    y, v, m = state[0], state[1], state[2]
+    away, v, m = state[0], state[1], state[2]
     area, inside, at = state[3], int(state[4]), int(state[5])
     steps = coefficients.shape[0]
     size = (state.shape[0] - HEAD) // 2
@@ -66,20 +66,20 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
         row = row + 1 if row + 1 < steps else 0
         before, at = at, at + 1 if at + 1 < size else 0
         x[at] = bus[POSITION, j]
-        areas[at] = c[10] * (x[before] + x[at])
+        areas[at] = c[9] * (x[before] + x[at])
         area += areas[at]
         inside += 1
-        while inside > c[7]:
+        while inside > c[6]:
             inside -= 1
             area -= areas[_back(at, inside, size)]
         if inside == 0:
             area = 0.0  # and rounding starts afresh
         old = m
         oldest = _back(at, inside, size)
-        m = area + c[8] * x[oldest] + c[9] * x[_back(oldest, 1, size)]
-        y, v = advance_lag(c, y, v, old, m)
-        bus[POSITION, j] = y
-    state[0], state[1], state[2], state[3], state[4], state[5] = y, v, m, area, inside, at
+        m = area + c[7] * x[oldest] + c[8] * x[_back(oldest, 1, size)]
+        away, v = advance_lag(c, away, v, m - old)
+        bus[POSITION, j] = m + away
+    state[0], state[1], state[2], state[3], state[4], state[5] = away, v, m, area, inside, at
 
 
 def _window(averaging: float, timing: Timing, last: int) -> tuple[int, float, float]:
@@ -112,7 +112,7 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     halves = np.array([row[3] for row in rows])
     areas = 2.0 * level * np.resize(halves[::-1], size)[::-1]
     inside = rows[-1][0]
-    head = (level, 0.0, level, areas[size - inside :].sum(), inside, size - 1)
+    head = (0.0, 0.0, level, areas[size - inside :].sum(), inside, size - 1)
     state = np.concatenate([head, np.full(size, level), areas])
     behind = lag_rows(lag, values["curvature"] * lag**2, replace(timing, ramped=True))
     return Prepared(np.hstack([behind, np.array(rows)]), state, timing.ramped)

@@ -24,8 +24,9 @@ import numpy as np
 from microgripper_control.core.compiled import compiled
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import percent, quantity
-from microgripper_control.core.signals import GONE, POSITION, ROWS, Array, Timing
+from microgripper_control.core.signals import POSITION, ROWS, Array, Timing
 from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
+from microgripper_control.effects.past import ways
 
 PINS = 6  # N
 SHORTEST = 1e-12  # of a step: T that counts as none
@@ -89,14 +90,24 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
 
 
 def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
-    """At rest the finger is where x left it, coming from the side that h remembers."""
+    """At rest the finger is where x left it, on the way that h remembers."""
     halves, level = 0.5 * plays(values), levels[POSITION]
     lag = values["slowness"] * values["play"]
-    pins = level - np.clip(levels[GONE], -halves, halves)
+    pins = np.zeros(len(halves))
+    for share, way in ways(levels, POSITION):
+        pins += share * _pins(halves, way)
     levels[POSITION] = np.mean(pins)
     rates = [step / max(lag, SHORTEST * step) for step in timing.steps] if lag else [0.0]
     rows = [(rate, -math.expm1(-rate), *halves) for rate in rates]
     return Prepared(np.array(rows), np.array([level, *pins]), timing.ramped)
+
+
+def _pins(halves: Array, way: Sequence[float]) -> Array:
+    """Where the pins, shape (n,), end after a way of x, m, on which they do not trail."""
+    bus, state = np.zeros((ROWS, len(way))), np.zeros(1 + len(halves))
+    bus[POSITION] = way
+    kernel(np.array([[0.0, 0.0, *halves]]), state, bus)
+    return state[1:]
 
 
 def played(x: Array, play: float) -> Array:

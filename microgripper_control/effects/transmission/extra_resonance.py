@@ -32,19 +32,19 @@ DRAG = 1e4  # 1/m, a first guess
 
 @compiled
 def kernel(coefficients: Array, state: Array, bus: Array) -> None:
-    """State: q, its velocity, x so far. A row ends with step drag, step w^2 hardening and share."""
-    q, v, old = state[0], state[1], state[2]
+    """State: q - x, q', x so far. A row ends with step drag, step w^2 hardening and share."""
+    away, v, old = state[0], state[1], state[2]
     steps, row = coefficients.shape[0], 0
     for j in range(bus.shape[1]):
         c = coefficients[row]
         x = bus[POSITION, j]
-        q, v = advance_lag(c, q, v, old, x)
-        old, away = x, q - x
+        away, v = advance_lag(c, away, v, x - old)
+        old = x
         if c[-3] != 0.0 or c[-2] != 0.0:
             v = (v - c[-2] * away * away * away) / (1.0 + c[-3] * abs(v))
-        bus[POSITION, j] = x + c[-1] * (q - x)
+        bus[POSITION, j] = x + c[-1] * away
         row = row + 1 if row + 1 < steps else 0
-    state[0], state[1], state[2] = q, v, old
+    state[0], state[1], state[2] = away, v, old
 
 
 def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
@@ -53,14 +53,13 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     rows = lag_rows(2.0 * values["damping"] / omega, omega**-2, timing)
     kicks = np.outer(timing.steps, (values["drag"], omega**2 * values["hardening"]))
     rows = np.column_stack([rows, kicks, np.full(len(rows), values["share"])])
-    state = np.array([levels[POSITION], 0.0, levels[POSITION]])
-    return Prepared(rows, state, timing.ramped)
+    return Prepared(rows, np.array([0.0, 0.0, levels[POSITION]]), timing.ramped)
 
 
 def starts(scales: Scales) -> Sequence[Values]:
     """Modes all over the band that the samples show, so damped that none is missed between.
 
-    Of every other one a second, which drags.
+    Of every third one a second, which drags: that peak is wide.
     """
     highest = 0.5 / scales.sample_period
     lowest = max(1.0, 5.0 / scales.duration, 2e-3 * highest)
@@ -68,7 +67,7 @@ def starts(scales: Scales) -> Sequence[Values]:
         {"share": 0.1, "frequency": frequency, "damping": 0.04}
         for frequency in np.geomspace(lowest, highest, 70)
     ]
-    return [*modes, *(mode | {"drag": DRAG} for mode in modes[::2])]
+    return [*modes, *(mode | {"drag": DRAG} for mode in modes[::3])]
 
 
 def idle(values: Values) -> Collection[str]:

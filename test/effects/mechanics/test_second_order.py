@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.signal import cont2discrete, lfilter
 
-from microgripper_control.core.signals import FREE, POSITION, ROWS, Array, Timing
+from microgripper_control.core.signals import FREE, LEVELS, POSITION, ROWS, Array, Timing
 from microgripper_control.effects.mechanics.second_order import LINK, static_gain
 from microgripper_control.plant.model import Model
 
@@ -17,7 +17,7 @@ Values = dict[str, float]
 
 def follow(values: Values, w: Array, steps: tuple[float, ...], ramped: bool = False) -> Array:
     """Positions at the ends of the steps, from rest at w = 0."""
-    prepared = LINK.prepare(values, Timing(sum(steps), steps, ramped), np.zeros(ROWS))
+    prepared = LINK.prepare(values, Timing(sum(steps), steps, ramped), np.zeros(LEVELS))
     bus = np.zeros((ROWS, len(w)))
     bus[FREE] = w
     LINK.kernel(prepared.coefficients, prepared.state, bus)
