@@ -190,6 +190,11 @@ def no_step_of_its_own(coefficients: Array, state: Array, bus: Array) -> None:
 Law = Callable[[Array, Array, Array, float, float, float, float], float]
 
 
+def all_held(values: Values) -> float:
+    """A force that holds, when a run begins, all that the way there has made of it."""
+    return 1.0
+
+
 @dataclass(frozen=True)
 class Force:
     """What a link does that pushes on the moving mass, instead of acting on the bus.
@@ -205,6 +210,7 @@ class Force:
     states: int = 0
     fading: bool = False  # whether its state goes with time and is as smooth as the motion
     brakes: bool = False  # whether its speed may count so much that it must be solved for
+    held: Callable[[Values], float] = all_held  # share of its state that a rest before a run leaves
 
 
 Load = tuple[Force, Values]

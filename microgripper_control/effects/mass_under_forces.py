@@ -62,15 +62,25 @@ def prepare(values: Values, timing: Timing, levels: Array, loads: Sequence[Load]
     divided = _divisions(values, omega, timing, by_path)
     for step, spans in zip(timing.steps, divided, strict=True):
         substeps += _substeps(values, omega, step, spans, timing.ramped)
-    state = np.zeros(layout.CARRIED + 2 * carried)
     still = np.array([*laws, _rest(values)])
-    for share, way in ways(levels, FREE):
-        came = np.zeros_like(state)
-        _go(still, came, way)
-        state += share * came
+    state = _begun(still, values, loads, levels)
     levels[[HIGH, LOW]] = _go(still, np.zeros_like(state), levels[[HIGH, LOW]].tolist())
     levels[POSITION] = _go(still, state, (levels[FREE],))[0]  # only refines
     return Prepared(np.array([*laws, *substeps]), state, ramped=True)
+
+
+def _begun(still: Array, values: Values, loads: Sequence[Load], levels: Array) -> Array:
+    """The state of a mass at rest: what its forces hold of what the way there has made of them."""
+    carried, free = int(still[0, 1]), levels[FREE]
+    held = min(force.held(given) for force, given in loads)
+    state = np.zeros(layout.CARRIED + 2 * carried)
+    state[layout.W] = (1.0 - held) * free
+    state[[layout.X, layout.ASKED]] = state[layout.W] * values["k"] / (values["k"] + values["k_s"])
+    for share, way in ways(levels, FREE):
+        came = np.zeros_like(state)
+        _go(still, came, way)
+        state += held * share * came
+    return state
 
 
 def _go(still: Array, state: Array, way: Sequence[float]) -> Array:

@@ -1,4 +1,4 @@
-"""How far back a force remembers the way, and what it is called for that.
+"""How far back a force remembers the way, whether a rest leaves it that, and what it is called.
 
 Friction sticks over a small part of the stroke and then slides; a force with hysteresis bends over
 a good part of it. Either law can imitate the other: what they are called is a matter of size.
@@ -6,9 +6,17 @@ a good part of it. Either law can imitate the other: what they are called is a m
 
 import math
 
-from microgripper_control.effects.base import Scales
+from microgripper_control.core.parameters import Parameter
+from microgripper_control.effects.base import Scales, Values
 
+# What sticks may creep or be shaken loose while a rig waits: then it begins from nothing.
+HELD = Parameter("held", "1", 1.0, 0.0, 1.0, "share it holds when a recording begins", fitted=False)
 SHORT = 0.08  # of the stroke: the presliding of guides and joints is shorter
+
+
+def held(values: Values) -> float:
+    """The share of what the way before a recording has made of it that is left at its beginning."""
+    return values[HELD.name]
 
 
 def unusually_long(memory: float, scales: Scales) -> float:

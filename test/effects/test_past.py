@@ -72,6 +72,21 @@ def test_a_run_that_begins_late_is_the_end_of_the_whole(effect: str, past: str) 
     assert np.max(np.abs(late - whole(model))) < 0.02 * size
 
 
+@pytest.mark.parametrize("effect", ["restoring_force_hysteresis", "friction"])
+@pytest.mark.parametrize("past", PASTS)
+def test_a_force_that_holds_nothing_begins_where_there_is_none(effect: str, past: str) -> None:
+    turns = PASTS[past]
+    bare = nominal_model()
+    model = bare.with_link(effect, **REMEMBERING[effect], held=0.0)
+
+    def begun(model: Model) -> Array:
+        h = hysteresis(model, *turns)
+        rest = np.full(50, turns[-1])
+        return simulate(model, rest, PERIOD, initial=Initial.FIRST_SAMPLE, initial_hysteresis=h)
+
+    np.testing.assert_allclose(begun(model), begun(bare), rtol=0.0, atol=1e-13)
+
+
 def test_h_speaks_for_the_ways_beside_it() -> None:
     ways = {"first": 4e-7, "risen": 1e-7, "fallen": -3e-7}
     assert shares_of_ways(4e-7, **ways) == (0.0, 0.0)

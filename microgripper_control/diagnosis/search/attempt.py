@@ -17,7 +17,15 @@ from microgripper_control.diagnosis.data.evidence import Evidence, rms
 from microgripper_control.diagnosis.data.grid import refuted
 from microgripper_control.diagnosis.data.noise import removable
 from microgripper_control.diagnosis.fits.fitting import Base, begun, extend, fit_on, half_way
-from microgripper_control.diagnosis.fits.trial import Trial, evenly, judged, moved, unfitted
+from microgripper_control.diagnosis.fits.trial import (
+    Trial,
+    evenly,
+    judged,
+    judged_once,
+    moved,
+    unfitted,
+)
+from microgripper_control.diagnosis.search.beginning import begun_from_nothing
 from microgripper_control.diagnosis.search.finishing import refined
 from microgripper_control.diagnosis.search.labour import is_costly
 from microgripper_control.diagnosis.search.screening import Guess, guesses, kind
@@ -96,7 +104,8 @@ def _attempt(
         return None, "no start could be fitted"
     found.sort(key=lambda trial: trial.fitted_rmse)
     if part is evidence:
-        return _best_judged(evidence, found), ""
+        best = begun_from_nothing(evidence, _best_judged(evidence, found), name)
+        return judged_once(evidence, best), ""
     if anchors[0].trial.effects:
         found, scrutiny = found[:1], scrutiny._replace(known=0.0)
     elif math.isfinite(scrutiny.hopeless) and found[0].fitted_rmse > _left_by_nothing(anchors[0]):
@@ -104,7 +113,7 @@ def _attempt(
     whole = _carried(evidence, found, name, scrutiny)
     if whole is None:
         return None, "diverges where it was not fitted"
-    return judged(evidence, whole), ""
+    return judged(evidence, begun_from_nothing(evidence, whole, name)), ""
 
 
 def _from_all_starts(

@@ -1,0 +1,30 @@
+"""What a force with a memory holds when a recording begins.
+
+The way there is told by h (`effects.past`). Whether the wait after it leaves the force what it held
+is another matter: the recordings decide, all of them together.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from microgripper_control.diagnosis.data.evidence import Evidence
+from microgripper_control.diagnosis.fits.fitting import fit_on
+from microgripper_control.diagnosis.fits.trial import Trial, moved, unfitted
+from microgripper_control.effects.memory_of_the_way import HELD
+from microgripper_control.effects.registry import registry
+from microgripper_control.plant.simulate import Initial
+
+TOLERANCE, STEPS = 1e-3, 8
+
+
+def begun_from_nothing(evidence: Evidence, trial: Trial, name: str) -> Trial:
+    """The trial with an effect that holds nothing at first, fitted on, if that leaves less."""
+    remembers = HELD in registry()[name].parameters
+    if not remembers or evidence.conditions.initial is not Initial.FIRST_SAMPLE:
+        return trial
+    model = trial.model.with_values({(name, HELD.name): 0.0})
+    other = unfitted(evidence, moved(evidence, replace(trial, model=model)))
+    if not other.fitted_rmse < trial.fitted_rmse:
+        return trial
+    return fit_on(evidence, other, TOLERANCE, STEPS, fresh=[name])
