@@ -17,14 +17,7 @@ from microgripper_control.diagnosis.data.evidence import Evidence, rms
 from microgripper_control.diagnosis.data.grid import refuted
 from microgripper_control.diagnosis.data.noise import removable
 from microgripper_control.diagnosis.fits.fitting import Base, begun, extend, fit_on, half_way
-from microgripper_control.diagnosis.fits.trial import (
-    Trial,
-    evenly,
-    judged,
-    judged_once,
-    moved,
-    unfitted,
-)
+from microgripper_control.diagnosis.fits.trial import Trial, evenly, judged, moved, unfitted
 from microgripper_control.diagnosis.search.beginning import begun_from_nothing
 from microgripper_control.diagnosis.search.finishing import refined
 from microgripper_control.diagnosis.search.labour import is_costly
@@ -79,7 +72,10 @@ def attempt(
     """
     try:
         with np.errstate(all="ignore"):  # a hopeless guess may overflow: it is then no start
-            return name, *_attempt(evidence, bases, name, scrutiny)
+            found, why = _attempt(evidence, bases, name, scrutiny)
+            if found is not None and math.isinf(scrutiny.hopeless):
+                found = begun_from_nothing(evidence, found, name)
+            return name, found, why
     except (ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
         return name, None, f"could not be fitted: {error}"
 
@@ -104,8 +100,7 @@ def _attempt(
         return None, "no start could be fitted"
     found.sort(key=lambda trial: trial.fitted_rmse)
     if part is evidence:
-        best = begun_from_nothing(evidence, _best_judged(evidence, found), name)
-        return judged_once(evidence, best), ""
+        return _best_judged(evidence, found), ""
     if anchors[0].trial.effects:
         found, scrutiny = found[:1], scrutiny._replace(known=0.0)
     elif math.isfinite(scrutiny.hopeless) and found[0].fitted_rmse > _left_by_nothing(anchors[0]):
@@ -113,7 +108,7 @@ def _attempt(
     whole = _carried(evidence, found, name, scrutiny)
     if whole is None:
         return None, "diverges where it was not fitted"
-    return judged(evidence, begun_from_nothing(evidence, whole, name)), ""
+    return judged(evidence, whole), ""
 
 
 def _from_all_starts(
