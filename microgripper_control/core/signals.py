@@ -24,9 +24,9 @@ POSITION = 3  # m, displacement of the finger, then the sensor's reading of it
 ROWS = 4
 
 # What links tell each other beside the levels at which these rest when a run begins:
-LOW, HIGH = 4, 5  # the ends of the drive's range: V, then m, free displacement, then position
-RISEN, FALLEN = 6, 7  # how far h speaks for a way up from the low end, down from the high one
-LEVELS = 8
+LOW, HIGH = ROWS, 2 * ROWS  # the same rows at the ends of the drive's range, in settled loops
+RISEN, FALLEN = 3 * ROWS, 3 * ROWS + 1  # how far h speaks for a way up, and down, from these
+LEVELS = 3 * ROWS + 2
 
 
 @dataclass(frozen=True)

@@ -64,7 +64,8 @@ def prepare(values: Values, timing: Timing, levels: Array, loads: Sequence[Load]
         substeps += _substeps(values, omega, step, spans, timing.ramped)
     still = np.array([*laws, _rest(values)])
     state = _begun(still, values, loads, levels)
-    levels[[HIGH, LOW]] = _go(still, np.zeros_like(state), levels[[HIGH, LOW]].tolist())
+    ends = np.array([HIGH, LOW])
+    levels[ends + POSITION] = _go(still, np.zeros_like(state), levels[ends + FREE].tolist())
     levels[POSITION] = _go(still, state, (levels[FREE],))[0]  # only refines
     return Prepared(np.array([*laws, *substeps]), state, ramped=True)
 

@@ -24,11 +24,12 @@ def shares_of_ways(h: float, first: float, risen: float, fallen: float) -> tuple
 
 
 def ways(levels: Array, row: int) -> list[tuple[float, tuple[float, ...]]]:
-    """How far h speaks for each way that a signal may have come, and its turns and its end, m.
+    """How far h speaks for each way that a signal may have come, and its turns and its end.
 
     `row` of the levels (shape (LEVELS,)) is where the signal rests.
     """
-    end, low, high, risen, fallen = (float(levels[i]) for i in (row, LOW, HIGH, RISEN, FALLEN))
+    end, low, high = (float(levels[place + row]) for place in (0, LOW, HIGH))
+    risen, fallen = float(levels[RISEN]), float(levels[FALLEN])
     known = (
         (1.0 - risen - fallen, (end,)),
         (risen, (high, low, end)),

@@ -46,7 +46,7 @@ class Chain:
         jumps |= {i / divisions for i in range(divisions)}
         self.timing = timing = Timing.divide(sample_period, jumps, breaks, ramped)
         levels = np.append(levels, np.zeros(LEVELS - ROWS))
-        levels[[LOW, HIGH]] = model.voltage_range
+        levels[[LOW + VOLTAGE, HIGH + VOLTAGE]] = model.voltage_range
         self._continuous: list[tuple[Kernel, Array, Array]] = []
         self._sampled: list[tuple[Kernel, Array, Array]] = []
         self._lasting: list[Array] = []
@@ -89,15 +89,18 @@ class Chain:
     def settle(self, bus: Array) -> None:
         """Run the period on the bus over and over until it repeats itself.
 
-        A small loop of hysteresis takes many periods to do so, slow creep thousands, but each
-        approaches its cycle geometrically. So every third time the states of material and
-        mechanics are taken to where the last three point.
+        It does so if it ends where it began, in every state or at least in its positions. A small
+        loop of hysteresis takes many periods for that, slow creep thousands, but each approaches
+        its cycle geometrically. So every third time the states of material and mechanics are taken
+        to where the last three point.
         """
         voltage, passed = bus[VOLTAGE].copy(), []
         for _ in range(MOST_PERIODS):
-            before = bus[POSITION].copy()
+            begun, before = self._states(), bus[POSITION].copy()
             bus[VOLTAGE] = voltage
             self.advance(bus)
+            if np.allclose(self._states(), begun, rtol=CLOSED, atol=0.0):
+                return
             change = np.max(np.abs(bus[POSITION] - before))
             if not change > CLOSED * np.ptp(bus[POSITION]):
                 return
@@ -106,6 +109,10 @@ class Chain:
                 for state, *three in zip(self._lasting, *passed, strict=True):
                     state[:] = _limit(*three)
                 passed.clear()
+
+    def _states(self) -> Array:
+        """Those of all links that act between samples, one after the other."""
+        return np.concatenate([state for _, _, state in self._continuous])
 
     def sense(self, positions: Array) -> Array:
         """What the sensor reports for true positions at the sampling instants, shape (n,)."""

@@ -19,6 +19,7 @@ REMEMBERING = {
     "restoring_force_hysteresis": {"alpha": 2e6, "distributed": 1.0, "widest": 8e-6},
     "friction": {"coulomb": 3.0, "stiffness": 2e6},
     "backlash": {"play": 3e-7, "slowness": 0.0},
+    "asymmetric_hysteresis": {"tilt": 2e-9, "skew": 1e-7, "reach": 30.0, "delta": 0.0},
 }
 
 

@@ -23,15 +23,17 @@ from collections.abc import Collection, Mapping, Sequence
 from itertools import product
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from microgripper_control.core.compiled import compiled, inlined
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import percent
-from microgripper_control.core.signals import FREE, HYSTERESIS, ROWS, VOLTAGE, Array, Timing
+from microgripper_control.core.signals import FREE, HYSTERESIS, LEVELS, ROWS, VOLTAGE, Array, Timing
 from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
-from microgripper_control.effects.bent_plays import SHAPE, edges, move_bent_plays, thresholds
+from microgripper_control.effects.bent_plays import PLAYS, SHAPE, edges, move_bent_plays
 from microgripper_control.effects.material import bouc_wen
 from microgripper_control.effects.material.bouc_wen import filled
+from microgripper_control.effects.past import ways
 
 MOST_STEPS, CLOSE = 30, 1e-9  # to where h + z passes zero, and of the way how close it is found
 TELLING = 1e-6  # V: a way that is shorter shows rounding more than what feeds h
@@ -40,11 +42,11 @@ CLOSED = 20  # times round until its end is its beginning,
 SETTLED = 1e-3  # of z: what it may still change by in the last
 LOOP_REACH = 65.0  # V, over which the paper's h forgets
 FEED = 0.08  # of the displacement: what feeds the paper's h
-ENTIRE = 0.1  # of the widest loop that plays make: an h at which they begin at one side
 LEAST_BENT = 0.15  # of the widest play,
 ALIKE = 4.0  # times what the edges differ: the most that both bend,
 RULED_OUT = 3.0  # how unusual half or twice of that is
 TINY = 1e-30
+PLAYS_FROM = 6  # in the state
 OWN = ("tilt", "bulge", "twist", "skew", "reach", "delta", "beta", "gamma")
 
 
@@ -112,7 +114,7 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
                 g, level = sign * (before + z), feed + sign * c[5] * old
                 z = sign * (carried(g, level, c[5], xi, ahead, back) - own)
             if c[8] != 0.0:
-                behind = move_bent_plays(state[6:], u, c[9:])
+                behind = move_bent_plays(state[PLAYS_FROM:], u, c[9:])
             old, before = u, h
         bus[FREE, j] -= (((c[2] * u + c[1]) * u + c[0]) * u + c[3] * s) * s + z
         if c[8] != 0.0:
@@ -121,19 +123,24 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
 
 
 def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
-    """At rest a material remembers no direction; plays are where they have to be."""
-    u, h, edge = float(levels[VOLTAGE]), float(levels[HYSTERESIS]), edges(values)
-    plays = u - _side(values, h) * thresholds(values)
-    behind = move_bent_plays(plays, u, edge)
-    levels[FREE] += values["plays"] * behind
-    row = np.array([*(values[name] for name in (*OWN, "plays")), *edge])
-    return Prepared(row[None], np.array([0.0, 0.0, u, h, 0.0, behind, *plays]), timing.ramped)
+    """At rest a material remembers the way that h tells of."""
+    row = np.array([[*(values[name] for name in (*OWN, "plays")), *edges(values)]])
+    state = np.zeros(PLAYS_FROM + PLAYS)
+    told = zip(ways(levels, VOLTAGE), ways(levels, HYSTERESIS), strict=True)
+    for (share, voltages), (_, left) in told:
+        came = np.zeros_like(state)
+        _go(row, came, voltages, left)
+        state += share * came
+    levels[FREE] += _go(row, state, levels[[VOLTAGE]], levels[[HYSTERESIS]])
+    return Prepared(row, state, timing.ramped)
 
 
-def _side(values: Values, h: float) -> float:
-    """On which side of the voltage plays begin, from -1 to 1: h tells where the rig came from."""
-    much = ENTIRE * values["plays"] * values["widest"]
-    return min(1.0, max(-1.0, h / much)) if much > 0.0 else 0.0
+def _go(row: Array, state: Array, voltages: ArrayLike, left: ArrayLike) -> float:
+    """Take the state along a way, V, on which h, m, is `left`; what it adds at the end, m."""
+    bus = np.zeros((ROWS, np.size(voltages)))
+    bus[VOLTAGE], bus[HYSTERESIS] = voltages, left
+    kernel(row, state, bus)
+    return float(bus[FREE, -1])
 
 
 def starts(scales: Scales) -> Sequence[Values]:
@@ -211,7 +218,7 @@ def apart(values: Values, scales: Scales) -> Array:
     """
     low, high = scales.voltage
     rise = np.linspace(low, high, LOOP + 1)
-    levels = np.zeros(ROWS)
+    levels = np.zeros(LEVELS)
     levels[VOLTAGE] = low
     loop = np.zeros((ROWS, 2 * LOOP))
     loop[VOLTAGE] = np.append(rise[1:], rise[-2::-1])

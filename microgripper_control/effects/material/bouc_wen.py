@@ -27,6 +27,7 @@ from microgripper_control.core.signals import (
     HYSTERESIS,
     LOW,
     RISEN,
+    ROWS,
     VOLTAGE,
     Array,
     Timing,
@@ -197,28 +198,31 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     row = (d, values["alpha"] * d, values["beta"], values["gamma"], values["n"])
     u, h = levels[VOLTAGE], levels[HYSTERESIS]
     levels[FREE] = d * u - h
-    levels[[LOW, HIGH, RISEN, FALLEN]] = _ways(row, u, h, min(levels[LOW], u), max(levels[HIGH], u))
+    _tell_of_the_past(row, levels)
     state = np.array([u, h])
     return Prepared(np.array([row]), state, timing.ramped)
 
 
-def _ways(c: tuple[float, ...], u: float, h: float, low: float, high: float) -> tuple[float, ...]:
-    """Free displacement, m, at the ends of a drive's range, V, and how far h speaks for two ways.
+def _tell_of_the_past(c: tuple[float, ...], levels: Array) -> None:
+    """Write what the drive's ends leave of h and displacement, and how far h speaks for each way.
 
     `c` is a row of the kernel's coefficients.
     """
     d, *law = c
-    top = advance(0.0, high, *law)
+    u, h = levels[VOLTAGE], levels[HYSTERESIS]
+    low, high = min(levels[LOW + VOLTAGE], u), max(levels[HIGH + VOLTAGE], u)
+    bottom, top = 0.0, advance(0.0, high, *law)
     for _ in range(LOOPS):
         bottom = advance(top, low - high, *law)
         top = advance(bottom, high - low, *law)
-    ends = d * low - bottom, d * high - top
-    if not np.all(np.isfinite(ends)):
-        return 0.0, 0.0, 0.0, 0.0  # it is not bounded over so long a way
+    if not (math.isfinite(bottom) and math.isfinite(top)):
+        return  # it is not bounded over so long a way: then as if it were the first
+    for place, volts, left in ((LOW, low, bottom), (HIGH, high, top)):
+        levels[place : place + ROWS] = volts, left, d * volts - left, 0.0
     first, risen, fallen = (
         advance(before, way, *law) for before, way in ((0.0, u), (bottom, u - low), (top, u - high))
     )
-    return *ends, *shares_of_ways(h, first, risen, fallen)
+    levels[[RISEN, FALLEN]] = shares_of_ways(h, first, risen, fallen)
 
 
 RATE_UNIT = "1/(V*m^(n-1))"

@@ -95,7 +95,8 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     """State: position, velocity and the free displacement so far."""
     m, b, k, k_s = (values[name] for name in ("m", "b", "k", "k_s"))
     rows = [_transition(m, b, k, k_s, step, timing.ramped) for step in timing.steps]
-    levels[[POSITION, LOW, HIGH]] = static_gain(values) * levels[[FREE, LOW, HIGH]]
+    for place in (0, LOW, HIGH):
+        levels[place + POSITION] = static_gain(values) * levels[place + FREE]
     state = np.array([levels[POSITION], 0.0, levels[FREE]])
     return Prepared(np.array(rows), state, ramped=True)
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from microgripper_control.core.signals import HYSTERESIS, ROWS, VOLTAGE, Array, Timing
+from microgripper_control.core.signals import FALLEN, HIGH, LEVELS, RISEN, VOLTAGE, Array, Timing
 from microgripper_control.effects.base import Scales
 from microgripper_control.effects.material.asymmetric_hysteresis import apart
 from microgripper_control.effects.registry import link_named
@@ -232,10 +232,14 @@ def test_plays_follow_their_edges_up_and_down(paper: Model) -> None:
     np.testing.assert_allclose(found, 5e-8 * expected / whole, rtol=0.0, atol=1e-10)
 
 
-@pytest.mark.parametrize(("h", "side"), [(1e-6, 1.0), (0.0, 0.0), (-1e-6, -1.0)])
-def test_where_plays_begin_is_told_by_h(h: float, side: float) -> None:
-    levels = np.zeros(ROWS)
-    levels[VOLTAGE], levels[HYSTERESIS] = 150.0, h  # there the edges do not bend
+@pytest.mark.parametrize(
+    ("risen", "fallen", "side"), [(0.0, 0.0, 1.0), (1.0, 0.0, 1.0), (0.0, 1.0, -1.0)]
+)
+def test_where_plays_begin_is_told_by_the_way(risen: float, fallen: float, side: float) -> None:
+    levels = np.zeros(LEVELS)
+    levels[VOLTAGE] = 150.0  # there the edges do not bend
+    levels[HIGH + VOLTAGE] = 250.0
+    levels[[RISEN, FALLEN]] = risen, fallen
     prepared = link_named(LINK).prepare(NOMINAL | BENT, Timing(1e-3, (1e-3,), False), levels)
     np.testing.assert_allclose(prepared.state[6:], 150.0 - side * 40.0 * np.arange(0.5, 8.0) / 8.0)
 
