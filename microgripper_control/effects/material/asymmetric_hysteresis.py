@@ -3,6 +3,7 @@
     w_a = w - (tilt u + bulge u^2 + twist u^3 + skew s) s - z
     s' = (sgn u' - s) |u'| / reach
     (h + z)' = feed u' - beta |u'| (h + z) - gamma u' |h + z| + delta u |u'|
+               - (onward + backward) / 2 u' (h + z) - (onward - backward) / 2 |u'| |h + z|
 
 s is the direction in which the voltage goes, +-1, as the material remembers it: after a turn it
 changes over within a travel of `reach`. Its weight follows the voltage, so the branches part by
@@ -11,8 +12,10 @@ one way in its lower and the other way in its upper part; `skew` moves both bran
 far from a turn. Only the way counts, not the speed. A weight without u is left out: that is a loop
 as h is one.
 
-z is what Zhu and Wang's term delta u |u'| in h' adds to h, if beta and gamma are those of h. What
-feeds h, alpha d, is read off its own course.
+z is what two kinds of terms in h' add to h, if beta and gamma are those of h: Zhu and Wang's delta
+u |u'|, and Song and Der Kiureghian's, by which the voltage's direction decides how soon h is
+forgotten: on its way from zero at beta + gamma +- onward, on its way back at beta - gamma +-
+backward, + for a rising voltage. What feeds h, alpha d, is read off its own course.
 
 With `plays` above zero there is a loop of plays besides, whose edges bend (`bent_plays`): they add
 `plays` times what they lag behind. A fit then leaves the rest of the law as it is.
@@ -47,7 +50,8 @@ ALIKE = 4.0  # times what the edges differ: the most that both bend,
 RULED_OUT = 3.0  # how unusual half or twice of that is
 TINY = 1e-30
 PLAYS_FROM = 6  # in the state
-OWN = ("tilt", "bulge", "twist", "skew", "reach", "delta", "beta", "gamma")
+OF_H = ("delta", "onward", "backward")
+OWN = ("tilt", "bulge", "twist", "skew", "reach", "delta", "beta", "gamma", "onward", "backward")
 
 
 @inlined
@@ -99,26 +103,28 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
     c = coefficients[0]
     s, z, old, before, feed, behind = state[0], state[1], state[2], state[3], state[4], state[5]
     ahead, back = c[6] + c[7], c[6] - c[7]
+    moves_h = c[5] != 0.0 or c[8] != 0.0 or c[9] != 0.0
     for j in range(bus.shape[1]):
         u, h = bus[VOLTAGE, j], bus[HYSTERESIS, j]
         if u != old:
             xi, sign = abs(u - old), 1.0 if u > old else -1.0
             kept = math.exp(-xi / c[4])
             s = kept * s + sign * (1.0 - kept)
-            if c[5] != 0.0:
+            if moves_h:
                 if before * h >= 0.0 and xi > TELLING:  # elsewhere it is what it was
                     decay = ahead if (before + h) * sign > 0.0 else back
                     grown = filled(decay, xi)
                     feed = sign * (h - before) / grown + sign * decay * before
                 own = carried(sign * before, feed, 0.0, xi, ahead, back)
                 g, level = sign * (before + z), feed + sign * c[5] * old
-                z = sign * (carried(g, level, c[5], xi, ahead, back) - own)
-            if c[8] != 0.0:
-                behind = move_bent_plays(state[PLAYS_FROM:], u, c[9:])
+                onward, backward = ahead + sign * c[8], back + sign * c[9]
+                z = sign * (carried(g, level, c[5], xi, onward, backward) - own)
+            if c[10] != 0.0:
+                behind = move_bent_plays(state[PLAYS_FROM:], u, c[11:])
             old, before = u, h
         bus[FREE, j] -= (((c[2] * u + c[1]) * u + c[0]) * u + c[3] * s) * s + z
-        if c[8] != 0.0:
-            bus[FREE, j] += c[8] * behind
+        if c[10] != 0.0:
+            bus[FREE, j] += c[10] * behind
     state[0], state[1], state[2], state[3], state[4], state[5] = s, z, old, before, feed, behind
 
 
@@ -149,12 +155,13 @@ def starts(scales: Scales) -> Sequence[Values]:
     One edge of the plays bows, up or down.
     """
     u, size = max(abs(volts) for volts in scales.voltage), 0.01 * scales.stroke
-    off = {"tilt": 0.0, "bulge": 0.0, "twist": 0.0, "skew": 0.0, "delta": 0.0}
-    ways = {"tilt": size / u, "bulge": size / u**2, "twist": size / u**3, "skew": size}
+    sooner = 0.4 / scales.swing
+    off = {"tilt": 0.0, "bulge": 0.0, "twist": 0.0, "skew": 0.0, **dict.fromkeys(OF_H, 0.0)}
+    branches = {"tilt": size / u, "bulge": size / u**2, "twist": size / u**3, "skew": size}
     beside = [
         off | {name: way, "reach": share * scales.swing}
         for share in (0.08, 0.2)
-        for name, way in ways.items()
+        for name, way in branches.items()
     ]
     low, high = scales.voltage
     plays = off | {"plays": 0.3 * scales.stroke / scales.swing, "lowest": low, "highest": high}
@@ -162,7 +169,8 @@ def starts(scales: Scales) -> Sequence[Values]:
         plays | {"widest": width * scales.swing, edge: bow * scales.swing}
         for width, edge, bow in product((0.2, 0.4), ("rise_bow", "fall_bow"), (-0.05, 0.05))
     ]
-    return [*beside, off | {"delta": size / (u * LOOP_REACH)}, *bent]
+    of_h = {"delta": size / (u * LOOP_REACH), "onward": sooner, "backward": sooner}
+    return [*beside, *(off | {name: value} for name, value in of_h.items()), *bent]
 
 
 def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
@@ -234,7 +242,7 @@ def apart(values: Values, scales: Scales) -> Array:
         z = float(link.state[1])
     settled = abs(z - before) <= SETTLED * abs(before)
     if not (settled and np.max(np.abs(loop[FREE])) < scales.stroke):  # nor if it has overflowed
-        return apart({**values, "delta": 0.0}, scales)
+        return apart({**values, **dict.fromkeys(OF_H, 0.0)}, scales)
     u = np.linspace(low, high, 50)
     rising = np.interp(u, rise[1:], loop[FREE, :LOOP])
     falling = np.interp(u, rise[:-1], loop[FREE, : LOOP - 1 : -1])
@@ -269,6 +277,10 @@ LINK = Link(
         ),
         Parameter("beta", "1/V", 0.0152, 0.0, 1e3, "decay of the loop with travel, both ways"),
         Parameter("gamma", "1/V", -0.0227, -1e3, 1e3, "decay of the loop by direction"),
+        Parameter(
+            "onward", "1/V", 0.0, -0.2, 0.2, "sooner forgotten on a rise, away from zero", 0.0
+        ),
+        Parameter("backward", "1/V", 0.0, -0.2, 0.2, "the same on its way back to zero", 0.0),
         Parameter("plays", "m/V", 0.0, 0.0, 1e-3, "slope of the loop that plays make", 0.0),
         Parameter("widest", "V", 30.0, 1e-3, 1e4, "threshold of the widest play"),
         Parameter(

@@ -72,6 +72,8 @@ def loops(kind: str, u: Array, share: float = 0.3) -> Array:
         a, b, extra = alpha, beta, 0.0
         if kind == "zhu and wang":
             extra = share * alpha * d * v / 80.0
+        elif kind == "song and der kiureghian":
+            extra = share * (0.6 * sign * h - abs(h))
         elif kind == "alpha by direction":
             a = alpha * (1.0 + share * sign)
         elif kind == "beta by direction":
@@ -111,6 +113,19 @@ def test_zhu_and_wang_s_term_is_delta(paper: Model, share: float) -> None:
     expected = loops("zhu and wang", u, share) - loops("zhu and wang", u, 0.0)
     alone = {"tilt": 0.0, "bulge": 0.0, "twist": 0.0, "skew": 0.0}
     rig = paper.with_link(LINK, **alone, delta=share * 0.0801 * 1.4447e-7 / 80.0)
+    x, plain = (simulate(model, np.append(u, u[-1]), 1e-2)[1:] for model in (rig, paper))
+    found = (x - plain) * (5e7 + 8.2e5) / 5e7
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=2e-3 * np.ptp(expected))
+
+
+@pytest.mark.parametrize("share", [1e-4, 3e-3, -2e-2])
+def test_song_and_der_kiureghian_s_terms_are_rates_by_direction(paper: Model, share: float) -> None:
+    t = np.arange(600) / 100.0
+    u = 80.0 * (1.0 - np.cos(2.0 * np.pi * t)) * (0.3 + 0.7 * t / t[-1])
+    kind = "song and der kiureghian"
+    expected = loops(kind, u, share) - loops(kind, u, 0.0)
+    alone = {"tilt": 0.0, "bulge": 0.0, "twist": 0.0, "skew": 0.0, "delta": 0.0}
+    rig = paper.with_link(LINK, **alone, onward=0.4 * share, backward=-1.6 * share)
     x, plain = (simulate(model, np.append(u, u[-1]), 1e-2)[1:] for model in (rig, paper))
     found = (x - plain) * (5e7 + 8.2e5) / 5e7
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=2e-3 * np.ptp(expected))
