@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from microgripper_control.core.recording import Recording
-from microgripper_control.core.signals import Array, Timing
+from microgripper_control.core.signals import LEVELS, Array, Timing
 from microgripper_control.effects.mechanics import second_order
 from microgripper_control.plant.model import Key, Model, nominal_model
 from microgripper_control.plant.simulate import simulate
@@ -52,5 +52,5 @@ def mechanics_step() -> Array:
     """The exact map of the nominal mechanics over a sample period of held voltage, shape (8,)."""
     timing = Timing.divide(SAMPLE_PERIOD, {0.0}, set(), ramped=False)
     values = nominal_model().values("second_order")
-    row: Array = second_order.prepare(values, timing, np.zeros(4)).coefficients[0]
+    row: Array = second_order.prepare(values, timing, np.zeros(LEVELS)).coefficients[0]
     return row

@@ -24,9 +24,12 @@ POSITION = 3  # m, displacement of the finger, then the sensor's reading of it
 ROWS = 4
 
 # What links tell each other beside the levels at which these rest when a run begins:
-LOW, HIGH = ROWS, 2 * ROWS  # the same rows at the ends of the drive's range, in settled loops
-RISEN, FALLEN = 3 * ROWS, 3 * ROWS + 1  # how far h speaks for a way up, and down, from these
-LEVELS = 3 * ROWS + 2
+# the same rows where the drive's range ends (or u, if that lies beyond), in settled loops
+LOW, HIGH = ROWS, 2 * ROWS
+PLACES = np.array([0, LOW, HIGH])  # where the rows begin: who writes a level writes it at all three
+RISEN, FALLEN = 3 * ROWS, 3 * ROWS + 1  # how far h speaks for a way up, and down, from these ends
+FEED, LOOPS = RISEN + 2, RISEN + 3  # m/V that feed h; after how many such loops they have settled
+LEVELS = RISEN + 4
 
 
 @dataclass(frozen=True)

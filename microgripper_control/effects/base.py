@@ -51,8 +51,8 @@ class Prepared:
 
 
 # prepare(values, timing, levels): `levels` holds, for each row of the bus, the level at which the
-# plant rests when the run begins, and what h tells of the way there (`effects.past`); the link
-# reads its input's and writes its output's.
+# plant rests when the run begins, and at both ends of the drive, for what h tells of the way there
+# (`effects.past`); the link reads its input's and writes its output's, at all three `PLACES`.
 Prepare = Callable[[Values, Timing, Array], Prepared]
 
 # kernel(coefficients, state, bus): works through the columns of the bus in place. Column j uses row
@@ -190,9 +190,9 @@ def no_step_of_its_own(coefficients: Array, state: Array, bus: Array) -> None:
 Law = Callable[[Array, Array, Array, float, float, float, float], float]
 
 
-def all_held(values: Values) -> float:
+def nothing_released(values: Values) -> float:
     """A force that holds, when a run begins, all that the way there has made of it."""
-    return 1.0
+    return 0.0
 
 
 @dataclass(frozen=True)
@@ -210,7 +210,7 @@ class Force:
     states: int = 0
     fading: bool = False  # whether its state goes with time and is as smooth as the motion
     brakes: bool = False  # whether its speed may count so much that it must be solved for
-    held: Callable[[Values], float] = all_held  # share of its state that a rest before a run leaves
+    released: Callable[[Values], float] = nothing_released  # 1 if it has let go before a run begins
 
 
 Load = tuple[Force, Values]

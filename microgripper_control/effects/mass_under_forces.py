@@ -23,7 +23,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
-from itertools import pairwise
+from itertools import compress, pairwise
 
 import numpy as np
 from scipy.linalg import expm
@@ -51,40 +51,54 @@ FOREVER = 1e9  # s
 
 def prepare(values: Values, timing: Timing, levels: Array, loads: Sequence[Load]) -> Prepared:
     """As `second_order.prepare`. At rest the mass has come slowly, as h has it."""
-    carried = sum(force.states for force, _ in loads)
-    laws = [_row([len(loads), carried, float(any(force.brakes for force, _ in loads))])]
-    for force, given in loads:
-        address = address_of(force.law, arrays=3, numbers=4)
-        laws.append(_row([address, force.states, *force.coefficients(given)]))
+    laws = _laws(loads)
     omega = natural_frequency(values, loads)
     substeps = []
     by_path = any(force.states and not force.fading for force, _ in loads)
     divided = _divisions(values, omega, timing, by_path)
     for step, spans in zip(timing.steps, divided, strict=True):
         substeps += _substeps(values, omega, step, spans, timing.ramped)
+    state = _begun(values, loads, levels)
     still = np.array([*laws, _rest(values)])
-    state = _begun(still, values, loads, levels)
-    ends = np.array([HIGH, LOW])
-    levels[ends + POSITION] = _go(still, np.zeros_like(state), levels[ends + FREE].tolist())
-    levels[POSITION] = _go(still, state, (levels[FREE],))[0]  # only refines
+    there_and_back = np.array([HIGH, LOW, HIGH])
+    levels[there_and_back + POSITION] = _go(
+        still, np.zeros_like(state), levels[there_and_back + FREE]
+    )
+    levels[POSITION] = _go(still, state, levels[[FREE]])[0]  # only refines
     return Prepared(np.array([*laws, *substeps]), state, ramped=True)
 
 
-def _begun(still: Array, values: Values, loads: Sequence[Load], levels: Array) -> Array:
-    """The state of a mass at rest: what its forces hold of what the way there has made of them."""
-    carried, free = int(still[0, 1]), levels[FREE]
-    held = min(force.held(given) for force, given in loads)
-    state = np.zeros(layout.CARRIED + 2 * carried)
-    state[layout.W] = (1.0 - held) * free
-    state[[layout.X, layout.ASKED]] = state[layout.W] * values["k"] / (values["k"] + values["k_s"])
+def _laws(loads: Sequence[Load]) -> list[Array]:
+    """The rows of the laws, and the one before them."""
+    carried = sum(force.states for force, _ in loads)
+    laws = [_row([len(loads), carried, float(any(force.brakes for force, _ in loads))])]
+    for force, given in loads:
+        address = address_of(force.law, arrays=3, numbers=4)
+        laws.append(_row([address, force.states, *force.coefficients(given)]))
+    return laws
+
+
+def _begun(values: Values, loads: Sequence[Load], levels: Array) -> Array:
+    """The state of a mass at rest, with what its forces hold of the way there.
+
+    What has let go does not push when the run begins, so the mass has come there without it.
+    """
+    holding = [force.released(given) == 0.0 for force, given in loads]
+    still = np.array([*_laws(list(compress(loads, holding))), _rest(values)])
+    state = np.zeros(layout.CARRIED + 2 * int(still[0, 1]))
     for share, way in ways(levels, FREE):
         came = np.zeros_like(state)
-        _go(still, came, way)
-        state += held * share * came
-    return state
+        _go(still, came, np.array(way))
+        state += share * came
+    begun, first = [state[: layout.CARRIED]], layout.CARRIED
+    for (force, _), holds in zip(loads, holding, strict=True):
+        begun.append(state[first : first + force.states] if holds else np.zeros(force.states))
+        first += force.states * holds
+    carried = sum(force.states for force, _ in loads)
+    return np.concatenate([*begun, np.zeros(carried)])
 
 
-def _go(still: Array, state: Array, way: Sequence[float]) -> Array:
+def _go(still: Array, state: Array, way: Array) -> Array:
     """Take a mass slowly along a way of the free displacement, m; where it turns and ends, m."""
     bus = np.zeros((ROWS, len(way)))
     bus[FREE] = way

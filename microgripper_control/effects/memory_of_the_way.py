@@ -10,13 +10,15 @@ from microgripper_control.core.parameters import Parameter
 from microgripper_control.effects.base import Scales, Values
 
 # What sticks may creep or be shaken loose while a rig waits: then it begins from nothing.
-HELD = Parameter("held", "1", 1.0, 0.0, 1.0, "share it holds when a recording begins", fitted=False)
+RELEASED = Parameter(
+    "released", "1", 0.0, 0.0, 1.0, "1 if it has let go before a recording begins", fitted=False
+)
 SHORT = 0.08  # of the stroke: the presliding of guides and joints is shorter
 
 
-def held(values: Values) -> float:
-    """The share of what the way before a recording has made of it that is left at its beginning."""
-    return values[HELD.name]
+def released(values: Values) -> float:
+    """Whether it has let go, before a recording begins, what the way there had made of it."""
+    return values[RELEASED.name]
 
 
 def unusually_long(memory: float, scales: Scales) -> float:

@@ -18,8 +18,10 @@ def shares_of_ways(h: float, first: float, risen: float, fallen: float) -> tuple
     1 is for the first.
     """
     known = np.array([risen, fallen, first])
+    if not np.ptp(known) > 0.0:
+        return 0.0, 0.0  # h tells nothing
     order = np.argsort(known, kind="stable")
-    up, down = (np.interp(h, known[order], np.eye(3)[way][order]) for way in (0, 1))
+    up, down = (np.interp(h, known[order], order == way) for way in (0, 1))
     return float(up), float(down)
 
 

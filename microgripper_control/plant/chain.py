@@ -26,8 +26,9 @@ class Chain:
     """Runs the links one after the other over a bus of internal steps.
 
     `levels` (shape (4,)) is where each row of the bus rests when the run begins; only voltage and
-    hysteresis are read, the links fill in the rest. `reading_age`, s, is how old the first reading
-    is where the sensor converts on a clock of its own.
+    hysteresis are read, the links fill in the rest, and the drive's ends are the model's range.
+    `reading_age`, s, is how old the first reading is where the sensor converts on a clock of its
+    own.
     """
 
     def __init__(

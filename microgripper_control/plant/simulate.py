@@ -12,7 +12,15 @@ from collections.abc import Callable
 import numpy as np
 
 from microgripper_control.core.errors import MicrogripperError
-from microgripper_control.core.signals import HYSTERESIS, POSITION, ROWS, VOLTAGE, Array, Timing
+from microgripper_control.core.signals import (
+    HYSTERESIS,
+    LEVELS,
+    POSITION,
+    ROWS,
+    VOLTAGE,
+    Array,
+    Timing,
+)
 from microgripper_control.effects.material.bouc_wen import advance
 from microgripper_control.effects.registry import registry
 from microgripper_control.plant.bandlimited import Course, course
@@ -94,7 +102,7 @@ def sensed(model: Model, name: str, positions: Array, sample_period: float) -> A
     """What one link of a model that acts on samples makes of positions, m, shape (n,)."""
     link = registry()[name]
     timing = Timing.divide(sample_period, {0.0}, set(), ramped=False)
-    prepared = link.prepare(model.values(name), timing, np.zeros(ROWS))
+    prepared = link.prepare(model.values(name), timing, np.zeros(LEVELS))
     bus = np.zeros((ROWS, len(positions)))
     bus[POSITION] = positions
     link.kernel(prepared.coefficients, prepared.state, bus)
@@ -158,9 +166,7 @@ def _initial_levels(
     levels = np.zeros(ROWS)
     if initial is Initial.FIRST_SAMPLE:
         levels[VOLTAGE], levels[HYSTERESIS] = voltage[0], hysteresis
-    elif initial is Initial.PERIODIC:
-        levels[VOLTAGE] = voltage[0]
-    elif ramped:
+    elif ramped or initial is Initial.PERIODIC:
         # A smooth voltage has no jump at the first sample: the way there lies before it.
         v = model.values("bouc_wen")
         h = advance(0.0, voltage[0], v["alpha"] * v["d"], v["beta"], v["gamma"], v["n"])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -19,7 +20,7 @@ REMEMBERING = {
     "restoring_force_hysteresis": {"alpha": 2e6, "distributed": 1.0, "widest": 8e-6},
     "friction": {"coulomb": 3.0, "stiffness": 2e6},
     "backlash": {"play": 3e-7, "slowness": 0.0},
-    "asymmetric_hysteresis": {"tilt": 2e-9, "skew": 1e-7, "reach": 30.0, "delta": 0.0},
+    "asymmetric_hysteresis": {"tilt": 2e-9, "skew": 1e-7, "reach": 30.0, "onward": 2e-3},
 }
 
 
@@ -78,7 +79,7 @@ def test_a_run_that_begins_late_is_the_end_of_the_whole(effect: str, past: str) 
 def test_a_force_that_holds_nothing_begins_where_there_is_none(effect: str, past: str) -> None:
     turns = PASTS[past]
     bare = nominal_model()
-    model = bare.with_link(effect, **REMEMBERING[effect], held=0.0)
+    model = bare.with_link(effect, **REMEMBERING[effect], released=1.0)
 
     def begun(model: Model) -> Array:
         h = hysteresis(model, *turns)
@@ -86,6 +87,48 @@ def test_a_force_that_holds_nothing_begins_where_there_is_none(effect: str, past
         return simulate(model, rest, PERIOD, initial=Initial.FIRST_SAMPLE, initial_hysteresis=h)
 
     np.testing.assert_allclose(begun(model), begun(bare), rtol=0.0, atol=1e-13)
+
+
+@pytest.mark.parametrize("besides", ["creep", "saturation", "asymmetric_hysteresis"])
+def test_what_else_is_in_the_chain_does_not_turn_the_way(besides: str) -> None:
+    """Near the high end, where a link that moves one place alone would put it beyond."""
+    settings = {
+        "creep": {"strength": 0.05},
+        "saturation": {"low": -100.0, "high": 150.0},
+        "asymmetric_hysteresis": {"tilt": 1e-9, "bulge": 0.0, "twist": 0.0},
+    }
+    model = nominal_model().with_link(besides, **settings[besides])
+    top = 150.0 if besides == "saturation" else HIGH
+    h = hysteresis(nominal_model(), 0.0, *[top, 0.0] * 4, top, top - 20.0)
+    at = {"initial": Initial.FIRST_SAMPLE, "initial_hysteresis": h}
+    rest = np.full(50, top - 20.0)
+    bare = simulate(model, rest, PERIOD, **at)
+    moved = simulate(model.with_link("backlash", **REMEMBERING["backlash"]), rest, PERIOD, **at)
+    np.testing.assert_allclose(moved - bare, 1.5e-7, rtol=0.02)  # it has come down
+
+
+def test_in_a_narrow_range_loops_take_longer_to_settle() -> None:
+    narrow = replace(nominal_model(), voltage_range=(0.0, 20.0))
+    model = narrow.with_link("backlash", **REMEMBERING["backlash"])
+    h = hysteresis(model, 0.0, *[20.0, 0.0] * 60, 14.0)
+    at = {"initial": Initial.FIRST_SAMPLE, "initial_hysteresis": h}
+    rest = np.full(50, 14.0)
+    moved = simulate(model, rest, PERIOD, **at) - simulate(narrow, rest, PERIOD, **at)
+    np.testing.assert_allclose(moved, -1.5e-7, rtol=0.02)  # it has come up
+
+
+def test_what_has_let_go_does_not_push_beside_other_forces() -> None:
+    """Nor does it take from another force what that one holds."""
+    touching = nominal_model().with_link("contact", position=5e-6, stiffness=5e7)
+    slipping = touching.with_link(
+        "restoring_force_hysteresis", **REMEMBERING["restoring_force_hysteresis"]
+    )
+    at = {"initial": Initial.FIRST_SAMPLE, "initial_hysteresis": hysteresis(touching, 0.0, 100.0)}
+    rest = np.full(50, 100.0)
+    for model in (touching, slipping):
+        released = model.with_link("friction", **REMEMBERING["friction"], released=1.0)
+        both = (simulate(one, rest, PERIOD, **at) for one in (released, model))
+        np.testing.assert_allclose(*both, rtol=0.0, atol=1e-12)
 
 
 def test_h_speaks_for_the_ways_beside_it() -> None:

@@ -11,7 +11,7 @@ from dataclasses import replace
 from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.fits.fitting import fit_on
 from microgripper_control.diagnosis.fits.trial import Trial, judged, moved, unfitted
-from microgripper_control.effects.memory_of_the_way import HELD
+from microgripper_control.effects.memory_of_the_way import RELEASED
 from microgripper_control.effects.registry import registry
 from microgripper_control.plant.simulate import Initial
 
@@ -19,14 +19,14 @@ TOLERANCE, STEPS = 1e-3, 8
 
 
 def begun_from_nothing(evidence: Evidence, trial: Trial, name: str) -> Trial:
-    """The trial with an effect that holds nothing at first, fitted on, if that leaves less.
+    """The trial with an effect that holds nothing at first, if that leaves less; judged, as it is.
 
-    Judged then, as the trial is.
+    It is compared before it is fitted on.
     """
-    remembers = HELD in registry()[name].parameters
+    remembers = RELEASED in registry()[name].parameters
     if not remembers or evidence.conditions.initial is not Initial.FIRST_SAMPLE:
         return trial
-    model = trial.model.with_values({(name, HELD.name): 0.0})
+    model = trial.model.with_values({(name, RELEASED.name): 1.0})
     other = unfitted(evidence, moved(evidence, replace(trial, model=model)))
     if not other.fitted_rmse < trial.fitted_rmse:
         return trial

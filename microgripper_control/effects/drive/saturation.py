@@ -16,7 +16,7 @@ import numpy as np
 from microgripper_control.core.compiled import compiled
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import quantity
-from microgripper_control.core.signals import VOLTAGE, Array, Timing
+from microgripper_control.core.signals import PLACES, VOLTAGE, Array, Timing
 from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
 
 OUT_OF_REACH = 1e4  # V
@@ -49,7 +49,8 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
 def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     """No state, and no memory: a held signal stays one."""
     row = [values[name] for name in ("low", "high", "low_softness", "high_softness")]
-    levels[VOLTAGE] = limited(levels[VOLTAGE], *row)
+    for place in PLACES:
+        levels[place + VOLTAGE] = limited(levels[place + VOLTAGE], *row)
     return Prepared(np.array([row]), np.zeros(0), timing.ramped)
 
 

@@ -26,12 +26,24 @@ from collections.abc import Collection, Mapping, Sequence
 from itertools import product
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from microgripper_control.core.compiled import compiled, inlined
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import percent
-from microgripper_control.core.signals import FREE, HYSTERESIS, LEVELS, ROWS, VOLTAGE, Array, Timing
+from microgripper_control.core.signals import (
+    FEED,
+    FREE,
+    HIGH,
+    HYSTERESIS,
+    LEVELS,
+    LOOPS,
+    LOW,
+    PLACES,
+    ROWS,
+    VOLTAGE,
+    Array,
+    Timing,
+)
 from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
 from microgripper_control.effects.bent_plays import PLAYS, SHAPE, edges, move_bent_plays
 from microgripper_control.effects.material import bouc_wen
@@ -44,12 +56,13 @@ LOOP = 400  # samples of the largest loop, each way,
 CLOSED = 20  # times round until its end is its beginning,
 SETTLED = 1e-3  # of z: what it may still change by in the last
 LOOP_REACH = 65.0  # V, over which the paper's h forgets
-FEED = 0.08  # of the displacement: what feeds the paper's h
+PAPERS_FEED = 0.08  # of the displacement: what feeds the paper's h
 LEAST_BENT = 0.15  # of the widest play,
 ALIKE = 4.0  # times what the edges differ: the most that both bend,
 RULED_OUT = 3.0  # how unusual half or twice of that is
 TINY = 1e-30
-PLAYS_FROM = 6  # in the state
+H_SO_FAR, PLAYS_FROM = 3, 6  # in the state
+BETA = 6  # in a row
 OF_H = ("delta", "onward", "backward")
 OWN = ("tilt", "bulge", "twist", "skew", "reach", "delta", "beta", "gamma", "onward", "backward")
 
@@ -132,21 +145,40 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     """At rest a material remembers the way that h tells of."""
     row = np.array([[*(values[name] for name in (*OWN, "plays")), *edges(values)]])
     state = np.zeros(PLAYS_FROM + PLAYS)
-    told = zip(ways(levels, VOLTAGE), ways(levels, HYSTERESIS), strict=True)
-    for (share, voltages), (_, left) in told:
-        came = np.zeros_like(state)
-        _go(row, came, voltages, left)
-        state += share * came
-    levels[FREE] += _go(row, state, levels[[VOLTAGE]], levels[[HYSTERESIS]])
+    for share, way in ways(levels, VOLTAGE):
+        state += share * _come(row, levels, way)
+    state[H_SO_FAR] = levels[HYSTERESIS]
+    low, high = float(levels[LOW + VOLTAGE]), float(levels[HIGH + VOLTAGE])
+    ends = (_come(row, levels, way) for way in ((high, low), (low, high)))
+    for place, there in zip(PLACES, (state, *ends), strict=True):
+        levels[place + FREE] += _adds(row, there)
     return Prepared(row, state, timing.ramped)
 
 
-def _go(row: Array, state: Array, voltages: ArrayLike, left: ArrayLike) -> float:
-    """Take the state along a way, V, on which h, m, is `left`; what it adds at the end, m."""
-    bus = np.zeros((ROWS, np.size(voltages)))
-    bus[VOLTAGE], bus[HYSTERESIS] = voltages, left
+def _come(row: Array, levels: Array, way: tuple[float, ...]) -> Array:
+    """The state after a way, V, from rest; if it has turns, after loops that have settled.
+
+    On it h goes by the link's own beta and gamma, so that what feeds it is read off rightly.
+    """
+    loops = int(levels[LOOPS]) if len(way) > 1 else 0
+    voltages = np.append(np.tile(levels[[HIGH + VOLTAGE, LOW + VOLTAGE]], loops), way)
+    bus, state = np.zeros((ROWS, len(voltages))), np.zeros(PLAYS_FROM + PLAYS)
+    bus[VOLTAGE] = voltages
+    h = 0.0
+    for j, change in enumerate(np.diff(voltages, prepend=0.0)):
+        h = bus[HYSTERESIS, j] = bouc_wen.advance(
+            h, change, levels[FEED], row[0, BETA], row[0, BETA + 1], 1.0
+        )
     kernel(row, state, bus)
-    return float(bus[FREE, -1])
+    return state
+
+
+def _adds(row: Array, state: Array) -> float:
+    """What the link adds to the free displacement, m, while nothing moves."""
+    still = np.zeros((ROWS, 1))
+    still[VOLTAGE], still[HYSTERESIS] = state[H_SO_FAR - 1], state[H_SO_FAR]
+    kernel(row, state, still)
+    return float(still[FREE, 0])
 
 
 def starts(scales: Scales) -> Sequence[Values]:
@@ -154,23 +186,26 @@ def starts(scales: Scales) -> Sequence[Values]:
 
     One edge of the plays bows, up or down.
     """
-    u, size = max(abs(volts) for volts in scales.voltage), 0.01 * scales.stroke
-    sooner = 0.4 / scales.swing
+    u, swing = max(abs(volts) for volts in scales.voltage), scales.swing
+    size = 0.01 * scales.stroke
     off = {"tilt": 0.0, "bulge": 0.0, "twist": 0.0, "skew": 0.0, **dict.fromkeys(OF_H, 0.0)}
     branches = {"tilt": size / u, "bulge": size / u**2, "twist": size / u**3, "skew": size}
     beside = [
-        off | {name: way, "reach": share * scales.swing}
+        off | {name: way, "reach": share * swing}
         for share in (0.08, 0.2)
         for name, way in branches.items()
     ]
     low, high = scales.voltage
-    plays = off | {"plays": 0.3 * scales.stroke / scales.swing, "lowest": low, "highest": high}
+    plays = off | {"plays": 0.3 * scales.stroke / swing, "lowest": low, "highest": high}
     bent = [
-        plays | {"widest": width * scales.swing, edge: bow * scales.swing}
+        plays | {"widest": width * swing, edge: bow * swing}
         for width, edge, bow in product((0.2, 0.4), ("rise_bow", "fall_bow"), (-0.05, 0.05))
     ]
-    of_h = {"delta": size / (u * LOOP_REACH), "onward": sooner, "backward": sooner}
-    return [*beside, *(off | {name: value} for name, value in of_h.items()), *bent]
+    of_h = [
+        {"delta": size / (u * LOOP_REACH)},
+        *({name: sooner} for name, sooner in product(OF_H[1:], (0.4 / swing, -0.4 / swing))),
+    ]
+    return [*beside, *(off | way for way in of_h), *bent]
 
 
 def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
@@ -230,7 +265,7 @@ def apart(values: Values, scales: Scales) -> Array:
     levels[VOLTAGE] = low
     loop = np.zeros((ROWS, 2 * LOOP))
     loop[VOLTAGE] = np.append(rise[1:], rise[-2::-1])
-    feed = FEED * scales.stroke / scales.swing
+    feed = PAPERS_FEED * scales.stroke / scales.swing
     material = np.array([[0.0, feed, values["beta"], values["gamma"], 1.0]])
     h, link = levels[[VOLTAGE, HYSTERESIS]], prepare(values, Timing(1.0, (1.0,), True), levels)
     before = z = 0.0

@@ -15,6 +15,7 @@ there.
 """
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -22,9 +23,11 @@ from microgripper_control.core.compiled import compiled, inlined
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.signals import (
     FALLEN,
+    FEED,
     FREE,
     HIGH,
     HYSTERESIS,
+    LOOPS,
     LOW,
     RISEN,
     ROWS,
@@ -38,7 +41,8 @@ from microgripper_control.effects.past import shares_of_ways
 LARGEST_CURVATURE = 0.03  # of one Runge-Kutta step: its error is then below 1e-8 of h
 SMALLEST_GROWTH = 0.15  # of |h|^n in one step, because |h|^n is not smooth at zero
 STRAIGHT = 1e-8  # so near zero that the terms in |h|^n are less than this beside alpha d
-LOOPS = 3  # over all of the drive's range, of a rig that has been everywhere
+SETTLED = 1e-6  # of the largest h: what a loop over all of the drive's range still changes it by
+MOST_LOOPS = 300  # until then
 
 
 @inlined
@@ -211,10 +215,7 @@ def _tell_of_the_past(c: tuple[float, ...], levels: Array) -> None:
     d, *law = c
     u, h = levels[VOLTAGE], levels[HYSTERESIS]
     low, high = min(levels[LOW + VOLTAGE], u), max(levels[HIGH + VOLTAGE], u)
-    bottom, top = 0.0, advance(0.0, high, *law)
-    for _ in range(LOOPS):
-        bottom = advance(top, low - high, *law)
-        top = advance(bottom, high - low, *law)
+    bottom, top, loops = _settled_loop(low, high, law)
     if not (math.isfinite(bottom) and math.isfinite(top)):
         return  # it is not bounded over so long a way: then as if it were the first
     for place, volts, left in ((LOW, low, bottom), (HIGH, high, top)):
@@ -223,6 +224,19 @@ def _tell_of_the_past(c: tuple[float, ...], levels: Array) -> None:
         advance(before, way, *law) for before, way in ((0.0, u), (bottom, u - low), (top, u - high))
     )
     levels[[RISEN, FALLEN]] = shares_of_ways(h, first, risen, fallen)
+    levels[[FEED, LOOPS]] = c[1], loops
+
+
+def _settled_loop(low: float, high: float, law: Sequence[float]) -> tuple[float, float, int]:
+    """h, m, at the ends of a loop, V, that has settled, and how often it was gone through."""
+    bottom, top = 0.0, advance(0.0, high, *law)
+    for loops in range(1, MOST_LOOPS + 1):
+        before = top
+        bottom = advance(top, low - high, *law)
+        top = advance(bottom, high - low, *law)
+        if not abs(top - before) > SETTLED * abs(top):
+            return bottom, top, loops
+    return bottom, top, MOST_LOOPS
 
 
 RATE_UNIT = "1/(V*m^(n-1))"

@@ -16,7 +16,7 @@ import numpy as np
 from microgripper_control.core.compiled import compiled
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import percent, quantity
-from microgripper_control.core.signals import FREE, Array, Timing
+from microgripper_control.core.signals import FREE, PLACES, Array, Timing
 from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
 
 ELEMENTS = 8
@@ -61,7 +61,7 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
         before, after = (mean - decay, 1.0 - mean) if timing.ramped else (0.0 * y, -np.expm1(-y))
         rows.append(np.append(share, np.column_stack([decay, before, after])))
     state = np.full(1 + ELEMENTS, levels[FREE])
-    levels[FREE] *= 1.0 + share * ELEMENTS
+    levels[PLACES + FREE] *= 1.0 + share * ELEMENTS
     return Prepared(np.array(rows), state, timing.ramped)
 
 

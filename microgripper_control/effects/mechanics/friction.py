@@ -30,7 +30,7 @@ from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import quantity
 from microgripper_control.core.signals import Array
 from microgripper_control.effects.base import Force, Link, Scales, Stage, Values
-from microgripper_control.effects.memory_of_the_way import HELD, held, unusually_long
+from microgripper_control.effects.memory_of_the_way import RELEASED, released, unusually_long
 from microgripper_control.effects.slipping_springs import SPRINGS, pull, springs
 
 RINGING = 6.0  # swings of the rig's own from sample to sample, after which none is left to see
@@ -180,7 +180,7 @@ LINK = Link(
         "Dahl 1968; Canudas de Wit et al. 1995 (LuGre); Dupont et al. 2002 (elasto-plastic); "
         "Lampaert, Al-Bender and Swevers 2003 (Maxwell slip)"
     ),
-    force=Force(law, coefficients, stiffness, states=1 + SPRINGS, held=held),
+    force=Force(law, coefficients, stiffness, states=1 + SPRINGS, released=released),
     parameters=(
         Parameter("coulomb", "N", 10.0, 0.0, 1e6, "friction force when sliding", 0.0),
         Parameter("stiffness", "N/m", 2e7, 1.0, 1e13, "stiffness of what sticks, before it slides"),
@@ -202,7 +202,7 @@ LINK = Link(
             "speed over which the excess goes",
             fitted=False,
         ),
-        HELD,
+        RELEASED,
     ),
     starts=starts,
     idle=idle,

@@ -20,7 +20,7 @@ from microgripper_control.core.quantities import percent, quantity
 from microgripper_control.core.signals import Array
 from microgripper_control.effects.base import Force, Link, Scales, Stage, Values
 from microgripper_control.effects.material.bouc_wen import advance
-from microgripper_control.effects.memory_of_the_way import HELD, held, unusually_short
+from microgripper_control.effects.memory_of_the_way import RELEASED, released, unusually_short
 from microgripper_control.effects.slipping_springs import SPRINGS, pull, springs
 
 ELASTIC = 8.0  # |gamma| over beta: beyond it hardly anything is lost in a loop
@@ -137,7 +137,7 @@ LINK = Link(
         "Bouc 1967, Wen 1976; Noel and Schoukens 2016, doi 10.4121/12967592; Iwan 1966; "
         "Segalman 2005"
     ),
-    force=Force(law, coefficients, stiffness, states=1 + SPRINGS, held=held),
+    force=Force(law, coefficients, stiffness, states=1 + SPRINGS, released=released),
     parameters=(
         Parameter("alpha", "N/m", 2e6, 0.0, 1e12, "stiffness after a reversal", 0.0),
         Parameter("beta", RATE_UNIT, 1e5, -1e12, 1e12, "decay of z with travel, both ways"),
@@ -149,7 +149,7 @@ LINK = Link(
         Parameter("widest", "m", 1e-5, 1e-9, 1.0, "distance at which the last bit slips"),
         Parameter("decades", "1", 1.0, 0.0, 3.0, "decades over which the distances are spread"),
         Parameter("taper", "1", -1.0, -5.0, 3.0, "how much stiffer what slips early is"),
-        HELD,
+        RELEASED,
     ),
     starts=starts,
     idle=idle,

@@ -15,7 +15,7 @@ from scipy.linalg import expm
 
 from microgripper_control.core.compiled import compiled
 from microgripper_control.core.parameters import Parameter
-from microgripper_control.core.signals import FREE, HIGH, LOW, POSITION, Array, Timing
+from microgripper_control.core.signals import FREE, PLACES, POSITION, Array, Timing
 from microgripper_control.effects import force_balance, mass_under_forces
 from microgripper_control.effects.base import Link, Prepared, Scales, Solver, Stage, Values
 
@@ -95,8 +95,7 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     """State: position, velocity and the free displacement so far."""
     m, b, k, k_s = (values[name] for name in ("m", "b", "k", "k_s"))
     rows = [_transition(m, b, k, k_s, step, timing.ramped) for step in timing.steps]
-    for place in (0, LOW, HIGH):
-        levels[place + POSITION] = static_gain(values) * levels[place + FREE]
+    levels[PLACES + POSITION] = static_gain(values) * levels[PLACES + FREE]
     state = np.array([levels[POSITION], 0.0, levels[FREE]])
     return Prepared(np.array(rows), state, ramped=True)
 

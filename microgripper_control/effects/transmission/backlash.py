@@ -12,8 +12,8 @@ T is told per play, so that it goes with it: without play this is no lag of a se
 With spread the gap is taken up bit by bit, as where pins of a linkage are not worn alike, or the
 flanks are soft.
 
-A run begins with the finger at the flank that pushed it last, as h remembers; without h, in the
-middle of the gap. x is taken as straight between the internal steps, and followed exactly.
+A run begins with the finger at the flank that pushed it last, on the way that h remembers. x is
+taken as straight between the internal steps, and followed exactly.
 """
 
 import math

@@ -172,8 +172,9 @@ def test_other_people_s_asymmetry_is_taken_up(paper: Model, kind: str, left: flo
             if link_named(link).parameter(name).fitted
             and name not in link_named(link).idle(model.values(link))
         ]
-        scales = np.array([abs(model.value(*key)) for key in keys])
         declared = [link_named(link).parameter(name) for link, name in keys]
+        sizes = [model.value(*key) or one.high for key, one in zip(keys, declared, strict=True)]
+        scales = np.abs(sizes)
         bounds = [p.low for p in declared] / scales, [p.high for p in declared] / scales
 
         def residual(z: Array) -> Array:
