@@ -19,7 +19,7 @@ FREE = (("bouc_wen", "d"), (EFFECT, "alpha"))
 
 
 def found(released: float, initial: Initial) -> Trial:
-    """What becomes of a trial that holds all, on a rig that holds a share; 1 nm of noise."""
+    """What becomes of a trial that has let nothing go, on a rig that may have; 1 nm of noise."""
     rig = nominal_model().with_link(
         EFFECT, alpha=2e6, distributed=1.0, widest=8e-6, released=released
     )

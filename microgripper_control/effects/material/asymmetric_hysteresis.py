@@ -61,7 +61,7 @@ LEAST_BENT = 0.15  # of the widest play,
 ALIKE = 4.0  # times what the edges differ: the most that both bend,
 RULED_OUT = 3.0  # how unusual half or twice of that is
 TINY = 1e-30
-H_SO_FAR, PLAYS_FROM = 3, 6  # in the state
+U_SO_FAR, H_SO_FAR, PLAYS_FROM = 2, 3, 6  # in the state
 BETA = 6  # in a row
 OF_H = ("delta", "onward", "backward")
 OWN = ("tilt", "bulge", "twist", "skew", "reach", "delta", "beta", "gamma", "onward", "backward")
@@ -144,31 +144,30 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
 def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     """At rest a material remembers the way that h tells of."""
     row = np.array([[*(values[name] for name in (*OWN, "plays")), *edges(values)]])
-    state = np.zeros(PLAYS_FROM + PLAYS)
+    low, high, feed = (float(levels[i]) for i in (LOW + VOLTAGE, HIGH + VOLTAGE, FEED))
+    nowhere = np.zeros(PLAYS_FROM + PLAYS)
+    everywhere = _after(row, nowhere, (high, low) * int(levels[LOOPS]), feed)
+    state = np.zeros_like(nowhere)
     for share, way in ways(levels, VOLTAGE):
-        state += share * _come(row, levels, way)
+        state += share * _after(row, everywhere if len(way) > 1 else nowhere, way, feed)
     state[H_SO_FAR] = levels[HYSTERESIS]
-    low, high = float(levels[LOW + VOLTAGE]), float(levels[HIGH + VOLTAGE])
-    ends = (_come(row, levels, way) for way in ((high, low), (low, high)))
+    ends = (_after(row, everywhere, way, feed) for way in ((high, low), (low, high)))
     for place, there in zip(PLACES, (state, *ends), strict=True):
         levels[place + FREE] += _adds(row, there)
     return Prepared(row, state, timing.ramped)
 
 
-def _come(row: Array, levels: Array, way: tuple[float, ...]) -> Array:
-    """The state after a way, V, from rest; if it has turns, after loops that have settled.
+def _after(row: Array, before: Array, way: tuple[float, ...], feed: float) -> Array:
+    """The state after a way, V, from the state `before` it; `feed` is alpha d, m/V.
 
     On it h goes by the link's own beta and gamma, so that what feeds it is read off rightly.
     """
-    loops = int(levels[LOOPS]) if len(way) > 1 else 0
-    voltages = np.append(np.tile(levels[[HIGH + VOLTAGE, LOW + VOLTAGE]], loops), way)
-    bus, state = np.zeros((ROWS, len(voltages))), np.zeros(PLAYS_FROM + PLAYS)
-    bus[VOLTAGE] = voltages
-    h = 0.0
-    for j, change in enumerate(np.diff(voltages, prepend=0.0)):
-        h = bus[HYSTERESIS, j] = bouc_wen.advance(
-            h, change, levels[FEED], row[0, BETA], row[0, BETA + 1], 1.0
-        )
+    bus, state = np.zeros((ROWS, len(way))), np.array(before)
+    bus[VOLTAGE] = way
+    u, h = float(state[U_SO_FAR]), float(state[H_SO_FAR])
+    for j, volts in enumerate(way):
+        h = bouc_wen.advance(h, volts - u, feed, row[0, BETA], row[0, BETA + 1], 1.0)
+        bus[HYSTERESIS, j], u = h, volts
     kernel(row, state, bus)
     return state
 
@@ -176,7 +175,7 @@ def _come(row: Array, levels: Array, way: tuple[float, ...]) -> Array:
 def _adds(row: Array, state: Array) -> float:
     """What the link adds to the free displacement, m, while nothing moves."""
     still = np.zeros((ROWS, 1))
-    still[VOLTAGE], still[HYSTERESIS] = state[H_SO_FAR - 1], state[H_SO_FAR]
+    still[VOLTAGE], still[HYSTERESIS] = state[U_SO_FAR], state[H_SO_FAR]
     kernel(row, state, still)
     return float(still[FREE, 0])
 
