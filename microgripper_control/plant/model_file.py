@@ -109,7 +109,8 @@ def _plain_setting(setting: Setting, unit: str) -> dict[str, Any]:
 def _link_settings(given: object, where: str, link: Link) -> dict[str, Setting]:
     """What an effect is nominally without may be left out, and what only such a part needs.
 
-    A sensor's clock is one; how an object relaxes that does not is another.
+    A sensor's clock is one; how an object relaxes that does not is another. How strong the effect
+    is has to be said by one parameter at least.
     """
     known = tuple(p.name for p in link.parameters)
     found = {
@@ -119,8 +120,9 @@ def _link_settings(given: object, where: str, link: Link) -> dict[str, Setting]:
     values = {p.name: p.nominal for p in link.parameters}
     values |= {name: setting.value for name, setting in found.items()}
     unused = link.idle(values)
+    strong = any(link.parameter(name).vanishing is not None for name in found)
     for p in link.parameters:
-        without = p.nominal == 0.0 and not (p.fitted and p.vanishing == 0.0)
+        without = p.nominal == 0.0 and (strong or p.vanishing is None)
         if p.name not in found and (without or p.name in unused):
             found[p.name] = Setting(p.nominal)
     return found

@@ -191,3 +191,25 @@ def test_so_may_what_only_such_a_part_needs(tmp_path: Path) -> None:
     path.write_text(SOUND.rstrip() + soft, encoding="utf-8")
     with pytest.raises(MicrogripperError, match=r"contact: .*stiffening"):
         load_model(path)
+
+
+def test_a_file_from_before_an_effect_had_another_way_is_still_read(tmp_path: Path) -> None:
+    """But not an effect of which nothing is said."""
+    lopsided = """
+  asymmetric_hysteresis:
+    tilt: {value: 1.0e-09, unit: m/V}
+    bulge: {value: 0.0, unit: m/V^2}
+    twist: {value: 0.0, unit: m/V^3}
+    skew: {value: 0.0, unit: m}
+    reach: {value: 15.0, unit: V}
+    delta: {value: 0.0, unit: m/V^2}
+    beta: {value: 0.0152, unit: 1/V}
+    gamma: {value: -0.0227, unit: 1/V}
+"""
+    path = tmp_path / "rig.yaml"
+    path.write_text(SOUND.rstrip() + lopsided, encoding="utf-8")
+    values = load_model(path).values("asymmetric_hysteresis")
+    assert [values[name] for name in ("onward", "backward", "plays")] == [0.0, 0.0, 0.0]
+    path.write_text(SOUND.rstrip() + "\n  sensor_zero: {}\n", encoding="utf-8")
+    with pytest.raises(MicrogripperError, match=r"sensor_zero: offset is missing"):
+        load_model(path)

@@ -226,7 +226,7 @@ def idle(values: Values) -> Collection[str]:
     """Plays are left out if they start like that, and are else all there is."""
     if values["plays"] != 0.0:
         return OWN
-    return "plays", "widest", "taper", *SHAPE[:4]
+    return "plays", "widest", "taper", *SHAPE
 
 
 def unusual(values: Values, scales: Scales) -> float:
