@@ -29,7 +29,7 @@ from microgripper_control.diagnosis.fits.trial import (
 from microgripper_control.identification.problem import Problem
 from microgripper_control.plant.model import Model
 
-TOLERANCE = 1e-3  # relative, of the squares and of the step, with the chord method
+ROUGH = 1e-3  # tolerance, relative, of the squares and of the step, where another fit follows
 FINE = 1e-6  # the same, of what is reported
 EVALUATIONS = 8  # of one start, with the chord method
 SEEN = 1e-3  # of the best seen direction of the base parameters: weaker ones stay
@@ -131,7 +131,7 @@ def extend(evidence: Evidence, base: Base, model: Model, added: Sequence[str]) -
     try:
         own = problem.projected(z, columns)
         z = _met_half_way(problem, z, own, np.r_[:count, size : len(z)])
-        squares, z = _descend(evidence, problem, z, jacobian, TOLERANCE, EVALUATIONS)
+        squares, z = _descend(evidence, problem, z, jacobian, ROUGH, EVALUATIONS)
     except (ValueError, FloatingPointError, np.linalg.LinAlgError):
         return None
     return trial_at(problem, z, squares)

@@ -9,12 +9,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 from microgripper_control.diagnosis.data.evidence import Evidence
-from microgripper_control.diagnosis.fits.fitting import refine
+from microgripper_control.diagnosis.fits.fitting import ROUGH, refine
 from microgripper_control.diagnosis.fits.trial import Trial, unfitted
 from microgripper_control.plant.simulate import Hold
 
 FAR_BETTER = 0.6  # of the error that the chosen setting leaves
-ROUGH = 1e-3
 
 
 def hold_warnings(evidence: Evidence, refit: Trial) -> tuple[str, ...]:

@@ -16,7 +16,7 @@ from microgripper_control.core.quantities import quantity
 from microgripper_control.diagnosis.data.evidence import Evidence, rms
 from microgripper_control.diagnosis.data.grid import refuted
 from microgripper_control.diagnosis.data.noise import removable
-from microgripper_control.diagnosis.fits.fitting import Base, begun, extend, fit_on, half_way
+from microgripper_control.diagnosis.fits.fitting import ROUGH, Base, begun, extend, fit_on, half_way
 from microgripper_control.diagnosis.fits.trial import Trial, evenly, judged, moved, unfitted
 from microgripper_control.diagnosis.search.beginning import begun_from_nothing
 from microgripper_control.diagnosis.search.finishing import refined
@@ -38,7 +38,6 @@ CARRIED = 2  # fits of a part of the samples that are tried on all; of an effect
 SETTLING_IN = 5  # steps with the same derivatives, from a part of the samples to all of them
 MISLED = 1.5  # times what is left of a part: where all samples leave more, it has misled the fit
 ROUNDS, FALLING = 5, 0.8  # of a misled fit, as long as each leaves so much of what was left
-ROUGH = 1e-3  # tolerance
 
 
 class Scrutiny(NamedTuple):

@@ -9,13 +9,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 from microgripper_control.diagnosis.data.evidence import Evidence
-from microgripper_control.diagnosis.fits.fitting import fit_on
+from microgripper_control.diagnosis.fits.fitting import ROUGH, fit_on
 from microgripper_control.diagnosis.fits.trial import Trial, judged, moved, unfitted
 from microgripper_control.effects.memory_of_the_way import RELEASED
 from microgripper_control.effects.registry import registry
 from microgripper_control.plant.simulate import Initial
 
-TOLERANCE, STEPS = 1e-3, 8
+STEPS = 8  # of the fit that begins from nothing
 
 
 def begun_from_nothing(evidence: Evidence, trial: Trial, name: str) -> Trial:
@@ -30,4 +30,4 @@ def begun_from_nothing(evidence: Evidence, trial: Trial, name: str) -> Trial:
     other = unfitted(evidence, moved(evidence, replace(trial, model=model)))
     if not other.fitted_rmse < trial.fitted_rmse:
         return trial
-    return judged(evidence, fit_on(evidence, other, TOLERANCE, STEPS, fresh=[name]))
+    return judged(evidence, fit_on(evidence, other, ROUGH, STEPS, fresh=[name]))

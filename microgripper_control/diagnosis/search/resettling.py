@@ -6,9 +6,9 @@ The first periods have chosen where the fits go on from.
 from __future__ import annotations
 
 from microgripper_control.diagnosis.data.evidence import Evidence
-from microgripper_control.diagnosis.fits.fitting import Base, base_of, refine
+from microgripper_control.diagnosis.fits.fitting import ROUGH, Base, base_of, refine
 from microgripper_control.diagnosis.fits.trial import Trial, judged, unfitted
-from microgripper_control.diagnosis.search.attempt import ROUGH, STEPS, Scrutiny, attempt, polish
+from microgripper_control.diagnosis.search.attempt import STEPS, Scrutiny, attempt, polish
 from microgripper_control.diagnosis.search.finishing import POLISHED, refined
 from microgripper_control.diagnosis.search.labour import is_costly
 from microgripper_control.diagnosis.search.pool import Pool, is_read_off

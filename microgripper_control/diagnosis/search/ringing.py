@@ -14,9 +14,9 @@ import numpy as np
 
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.data.evidence import Evidence
-from microgripper_control.diagnosis.fits.fitting import Indices, fit_on
+from microgripper_control.diagnosis.fits.fitting import ROUGH, Indices, fit_on
 from microgripper_control.diagnosis.fits.trial import Trial, judged, unfitted
-from microgripper_control.diagnosis.search.attempt import ROUGH, STEPS
+from microgripper_control.diagnosis.search.attempt import STEPS
 from microgripper_control.effects.mass_under_forces import natural_frequency
 from microgripper_control.identification.determined import DYNAMIC
 from microgripper_control.plant.model import Model
