@@ -1,9 +1,12 @@
 """Plays whose edges bend: Prandtl and Ishlinskii's loop, generalised.
 
     y_i is never below rise(u) - t_i, nor above fall(u) + t_i,      t_i = widest (i - 1/2) / N
-    rise(u) = u + (rise_bow + rise_skew (1 - 2 q)) 4 q (1 - q),     fall(u) likewise,
-    q = (u - lowest) / (highest - lowest), from 0 to 1
+    rise(u) = u + (rise_bow + (rise_skew + rise_curl p^2) p) (1 - p^2),     fall(u) likewise,
+    p from 1 at `lowest` to -1 at `highest`
     what the plays lag behind:  sum_i s_i (y_i - u) / sum_i s_i,    s_i = e^(-taper (i - 1/2) / N)
+
+or, where they are `relative`, behind as many whose edges are both the mean of the two: such a loop
+is lopsided and nothing else.
 
 Source: Al Janaideh, Rakheja, Su 2011 (a generalised play with unlike envelopes); Brokate, Sprekels
 1996, section 2.3.
@@ -17,7 +20,10 @@ from microgripper_control.effects.base import Values
 
 PLAYS = 8  # N
 PLACES = (np.arange(PLAYS) + 0.5) / PLAYS
-SHAPE = ("rise_bow", "rise_skew", "fall_bow", "fall_skew", "lowest", "highest")
+RISE = ("rise_bow", "rise_skew", "rise_curl")
+FALL = ("fall_bow", "fall_skew", "fall_curl")
+SHAPE = (*RISE, *FALL, "lowest", "highest", "relative")
+STATES = 2 * PLAYS  # the plays, then those with the mean edges
 
 
 def thresholds(values: Values) -> Array:
@@ -26,7 +32,7 @@ def thresholds(values: Values) -> Array:
 
 
 def edges(values: Values) -> Array:
-    """What `move_bent_plays` goes by: the six of `SHAPE`, the thresholds, V, and the shares."""
+    """What `move_bent_plays` goes by: the nine of `SHAPE`, the thresholds, V, and the shares."""
     shares = np.exp(-values["taper"] * PLACES)
     shape = [values[name] for name in SHAPE]
     return np.concatenate([shape, thresholds(values), shares / np.sum(shares)])
@@ -34,15 +40,20 @@ def edges(values: Values) -> Array:
 
 @compiled
 def move_bent_plays(y: Array, u: float, edge: Array) -> float:
-    """Move the plays y, shape (PLAYS,), to u, and how far they are then from it on average, V."""
-    low, high = edge[4], edge[5]
-    q = min(1.0, max(0.0, (u - low) / (high - low))) if high > low else 0.0
-    bow, skew = 4.0 * q * (1.0 - q), 1.0 - 2.0 * q
-    rise = u + (edge[0] + edge[1] * skew) * bow
-    fall = u + (edge[2] + edge[3] * skew) * bow
+    """Move the plays y, shape (STATES,), to u, and how far they are then behind on average, V."""
+    low, high = edge[6], edge[7]
+    p = max(-1.0, min(1.0, (low + high - 2.0 * u) / (high - low))) if high > low else 1.0
+    room, square = 1.0 - p * p, p * p
+    rise = u + (edge[0] + (edge[1] + edge[2] * square) * p) * room
+    fall = u + (edge[3] + (edge[4] + edge[5] * square) * p) * room
+    mean = 0.5 * (rise + fall)
+    relative = edge[8] != 0.0
     behind = 0.0
     for i in range(PLAYS):
-        threshold = edge[len(SHAPE) + i]
+        threshold, other = edge[len(SHAPE) + i], u
         y[i] = max(rise - threshold, min(fall + threshold, y[i]))
-        behind += edge[len(SHAPE) + PLAYS + i] * (y[i] - u)
+        if relative:
+            other = max(mean - threshold, min(mean + threshold, y[PLAYS + i]))
+            y[PLAYS + i] = other
+        behind += edge[len(SHAPE) + PLAYS + i] * (y[i] - other)
     return behind

@@ -18,7 +18,8 @@ forgotten: on its way from zero at beta + gamma +- onward, on its way back at be
 backward, + for a rising voltage. What feeds h, alpha d, is read off its own course.
 
 With `plays` above zero there is a loop of plays besides, whose edges bend (`bent_plays`): they add
-`plays` times what they lag behind. A fit then leaves the rest of the law as it is.
+`plays` times what they lag behind the voltage or, where they are `relative`, plays whose edges are
+alike. A fit then leaves the rest of the law as it is.
 """
 
 import math
@@ -45,7 +46,14 @@ from microgripper_control.core.signals import (
     Timing,
 )
 from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
-from microgripper_control.effects.bent_plays import PLAYS, SHAPE, edges, move_bent_plays
+from microgripper_control.effects.bent_plays import (
+    FALL,
+    RISE,
+    SHAPE,
+    STATES,
+    edges,
+    move_bent_plays,
+)
 from microgripper_control.effects.material import bouc_wen
 from microgripper_control.effects.material.bouc_wen import filled
 from microgripper_control.effects.past import ways
@@ -145,7 +153,7 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     """At rest a material remembers the way that h tells of."""
     row = np.array([[*(values[name] for name in (*OWN, "plays")), *edges(values)]])
     low, high, feed = (float(levels[i]) for i in (LOW + VOLTAGE, HIGH + VOLTAGE, FEED))
-    nowhere = np.zeros(PLAYS_FROM + PLAYS)
+    nowhere = np.zeros(PLAYS_FROM + STATES)
     everywhere = _after(row, nowhere, (high, low) * int(levels[LOOPS]), feed)
     state = np.zeros_like(nowhere)
     for share, way in ways(levels, VOLTAGE):
@@ -183,7 +191,7 @@ def _adds(row: Array, state: Array) -> float:
 def starts(scales: Scales) -> Sequence[Values]:
     """Each of the ways by itself, a hundredth of the stroke, with two memories; plays of two sizes.
 
-    One edge of the plays bows, up or down.
+    One edge of the plays bows, up or down, or, where they are relative, with the voltage.
     """
     u, swing = max(abs(volts) for volts in scales.voltage), scales.swing
     size = 0.01 * scales.stroke
@@ -200,11 +208,15 @@ def starts(scales: Scales) -> Sequence[Values]:
         plays | {"widest": width * swing, edge: bow * swing}
         for width, edge, bow in product((0.2, 0.4), ("rise_bow", "fall_bow"), (-0.05, 0.05))
     ]
+    unlike = [
+        plays | {"relative": 1.0, "widest": width * swing, bend: size * swing}
+        for width, bend, size in product((0.1, 0.3), RISE[:2], (-0.1, 0.1))
+    ]
     of_h = [
         {"delta": size / (u * LOOP_REACH)},
         *({name: sooner} for name, sooner in product(OF_H[1:], (0.4 / swing, -0.4 / swing))),
     ]
-    return [*beside, *(off | way for way in of_h), *bent]
+    return [*beside, *(off | way for way in of_h), *bent, *unlike]
 
 
 def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
@@ -213,12 +225,12 @@ def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
     With a longer reach s would be the voltage itself, and the loop a bent line; with a shorter one
     the branches would jump apart. Edges that bend by much would be no edges.
     """
-    bow, swing = 0.3 * scales.swing, scales.swing
-    bent = dict.fromkeys(SHAPE[:4], (-bow, bow))
+    bow, swing = 0.6 * scales.swing, scales.swing
+    bent = dict.fromkeys((*RISE, *FALL), (-bow, bow))
     return {
         "reach": (0.02 * swing, 0.6 * swing),
         "widest": (0.01 * swing, 0.6 * swing),
-        "plays": (0.0, 2.0 * scales.stroke / swing),
+        "plays": (0.0, 6.0 * scales.stroke / swing),
     } | bent
 
 
@@ -230,14 +242,14 @@ def idle(values: Values) -> Collection[str]:
 
 
 def unusual(values: Values, scales: Scales) -> float:
-    """Plays whose edges hardly bend, or bend alike, make no lopsided loop.
+    """Plays whose edges hardly bend, or bend alike, make no lopsided loop unless they are relative.
 
     The first is Prandtl and Ishlinskii's own loop, for which there is no name here, the second a
     bent line, for which there are others.
     """
-    if values["plays"] == 0.0:
+    if values["plays"] == 0.0 or values["relative"]:
         return 0.0
-    rise, fall = (np.array([values[f"{e}_bow"], values[f"{e}_skew"]]) for e in ("rise", "fall"))
+    rise, fall = (np.array([values[name] for name in edge]) for edge in (RISE, FALL))
     bent = max(np.max(np.abs(rise)), np.max(np.abs(fall))) / values["widest"]
     alike = np.max(np.abs(rise + fall)) / max(np.max(np.abs(fall - rise)), TINY)
     octaves = max(math.log2(LEAST_BENT / max(bent, TINY)), math.log2(max(alike, TINY) / ALIKE))
@@ -322,10 +334,21 @@ LINK = Link(
         ),
         Parameter("rise_bow", "V", -5.0, -1e4, 1e4, "bow of the rising edge amid the range"),
         Parameter("rise_skew", "V", -2.0, -1e4, 1e4, "how much more it bows below than above"),
+        Parameter("rise_curl", "V", 0.0, -1e4, 1e4, "how much later it bows that way"),
         Parameter("fall_bow", "V", 5.0, -1e4, 1e4, "bow of the falling edge"),
         Parameter("fall_skew", "V", 2.0, -1e4, 1e4, "how much more it bows below than above"),
+        Parameter("fall_curl", "V", 0.0, -1e4, 1e4, "how much later it bows that way"),
         Parameter("lowest", "V", 0.0, -1e4, 1e4, "from where the edges bend", fitted=False),
         Parameter("highest", "V", 150.0, -1e4, 1e4, "up to where they bend", fitted=False),
+        Parameter(
+            "relative",
+            "1",
+            0.0,
+            0.0,
+            1.0,
+            "1 if less what plays with the mean edges do",
+            fitted=False,
+        ),
     ),
     prepare=prepare,
     kernel=kernel,
