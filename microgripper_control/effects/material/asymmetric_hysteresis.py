@@ -203,7 +203,8 @@ def starts(scales: Scales) -> Sequence[Values]:
         for name, way in branches.items()
     ]
     low, high = scales.voltage
-    plays = off | {"plays": 0.3 * scales.stroke / swing, "lowest": low, "highest": high}
+    straight = {"lowest": low, "highest": high, **dict.fromkeys((*RISE, *FALL), 0.0)}
+    plays = off | straight | {"plays": 0.3 * scales.stroke / swing}
     bent = [
         plays | {"widest": width * swing, edge: bow * swing}
         for width, edge, bow in product((0.2, 0.4), ("rise_bow", "fall_bow"), (-0.05, 0.05))
@@ -230,7 +231,7 @@ def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
     return {
         "reach": (0.02 * swing, 0.6 * swing),
         "widest": (0.01 * swing, 0.6 * swing),
-        "plays": (0.0, 6.0 * scales.stroke / swing),
+        "plays": (0.0, 20.0 * scales.stroke / swing),
     } | bent
 
 
