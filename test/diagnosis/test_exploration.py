@@ -112,3 +112,22 @@ def test_an_effect_that_shows_may_lead_from_further_behind(monkeypatch: pytest.M
     leader: Any = drift
     assert not exploration._may_lead(leader, pool, 1, set())
     assert exploration._may_lead(leader, pool, 1, {"thermal_drift"})
+
+
+@pytest.mark.parametrize(
+    ("long", "closed", "may"),
+    [(False, 0.7, True), (True, 0.7, False), (True, 0.55, True), (False, 0.8, False)],
+)
+def test_beside_a_force_that_takes_long_a_second_must_have_much_to_explain(
+    monkeypatch: pytest.MonkeyPatch, long: bool, closed: float, may: bool
+) -> None:
+    monkeypatch.setattr(exploration, "is_costly", lambda evidence, model: True)
+    monkeypatch.setattr(exploration, "is_long", lambda evidence, model: long)
+    friction: Any = SimpleNamespace(effects=("friction",), model=None)
+    pool: Any = SimpleNamespace(
+        evidence=None,
+        closed=lambda trial: closed,
+        best=lambda size, count: [friction] if size == 1 else [],
+        leaves_more=lambda trial: True,
+    )
+    assert exploration._may_lead(friction, pool, 1, set()) == may

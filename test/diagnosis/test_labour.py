@@ -7,7 +7,7 @@ import pytest
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.diagnosis.data.evidence import Evidence
-from microgripper_control.diagnosis.search.labour import is_costly
+from microgripper_control.diagnosis.search.labour import is_costly, is_long
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.model import nominal_model
 from microgripper_control.plant.simulate import Hold, simulate
@@ -31,3 +31,14 @@ def test_a_force_is_costly_where_the_voltage_bends(
     run = Recording("run", PERIOD, voltage, answer)
     evidence = Evidence.gather([run], [], Conditions(hold), nominal_model())
     assert is_costly(evidence, nominal_model().with_link("nonlinear_stiffness")) == costly
+
+
+@pytest.mark.parametrize(("samples", "long"), [(2000, False), (200_000, True)])
+def test_a_costly_force_is_long_on_many_samples(samples: int, long: bool) -> None:
+    voltage = 75.0 - 70.0 * np.cos(2.0 * np.pi * 0.5 * PERIOD * np.arange(samples))
+    run = Recording("run", PERIOD, voltage, 1e-7 * voltage)
+    evidence = Evidence.gather([run], [], Conditions(Hold.ZERO), nominal_model())
+    friction = nominal_model().with_link("friction")
+    assert is_costly(evidence, friction)
+    assert is_long(evidence, friction) == long
+    assert not is_long(evidence, nominal_model().with_link("creep"))

@@ -21,6 +21,7 @@ from microgripper_control.diagnosis.search.labour import (
     is_costly_with,
     is_force,
     is_light_with,
+    is_long,
     may_join,
 )
 from microgripper_control.diagnosis.search.pool import Pool, is_read_off
@@ -33,7 +34,8 @@ MOST_EFFECTS = 3
 BEAM = 2  # explanations that a further effect is added to
 SECONDS, SECONDS_IF_COSTLY = 7, 3  # second effects that are fitted, the most promising,
 THIRDS = 3  # and third ones
-UNCLOSED_IF_COSTLY = 0.25  # of the gap: what asks for an effect beside a costly force, a minute
+UNCLOSED_IF_COSTLY = 0.25  # of the gap: what asks for an effect beside a costly force, a minute,
+UNCLOSED_IF_LONG = 0.4  # or ten where its simulation is long
 FAIR_PART = 0.2  # of the gap; two independent effects of one size close 0.3 of it each
 ALIKE = 0.9  # of what an effect closes alone: what closes as much may be meant in its place,
 EXCHANGED = 2  # so many at most
@@ -124,7 +126,9 @@ def _adds_much(trial: Trial, pool: Pool) -> bool:
 def _may_lead(leader: Trial, pool: Pool, size: int, shown: Set[str]) -> bool:
     """Whether one of the best explanations with `size` effects is worth a further one."""
     costly = is_costly(pool.evidence, leader.model)
-    if costly and 1.0 - pool.closed(leader) < UNCLOSED_IF_COSTLY:
+    long = costly and is_long(pool.evidence, leader.model)
+    asks = UNCLOSED_IF_LONG if long else UNCLOSED_IF_COSTLY
+    if costly and 1.0 - pool.closed(leader) < asks:
         return False
     best = pool.best(size, 1)
     near = RIVAL_IF_COSTLY if costly else RIVAL

@@ -18,6 +18,7 @@ from microgripper_control.plant.model import Model
 from microgripper_control.plant.simulate import Hold, Initial
 
 MOST_ROWS = 2e7  # of coefficients in a simulation with forces: what makes it longer does not join
+LONG_ROWS = 2e6  # the same: a round of further effects then takes some ten minutes
 MANY_ROWS = 10  # of coefficients a sample: by place, and at rest at its end, a force takes five
 
 
@@ -37,6 +38,11 @@ def is_costly(evidence: Evidence, model: Model) -> bool:
     return _labour_of_forces(evidence, model) > MANY_ROWS
 
 
+def is_long(evidence: Evidence, model: Model) -> bool:
+    """Whether a simulation of a model with such forces takes a good part of a second."""
+    return _samples(evidence) * _labour_of_forces(evidence, model) > LONG_ROWS
+
+
 def is_costly_with(evidence: Evidence, trial: Trial, effect: str) -> bool:
     """The same of a trial's model with one more effect, at its first start."""
     model = _with(evidence, trial, effect)
@@ -52,8 +58,11 @@ def may_join(evidence: Evidence, trial: Trial, effect: str) -> bool:
     labour = _labour_of_forces(evidence, model) if model is not None else 0
     if labour <= MANY_ROWS:
         return True
-    samples = sum(len(recording) for recording in evidence.fitted)
-    return len(trial.effects) < 2 and samples * labour <= MOST_ROWS
+    return len(trial.effects) < 2 and _samples(evidence) * labour <= MOST_ROWS
+
+
+def _samples(evidence: Evidence) -> int:
+    return sum(len(recording) for recording in evidence.fitted)
 
 
 def _with(evidence: Evidence, trial: Trial, effect: str) -> Model | None:
