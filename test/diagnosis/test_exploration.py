@@ -115,19 +115,40 @@ def test_an_effect_that_shows_may_lead_from_further_behind(monkeypatch: pytest.M
 
 
 @pytest.mark.parametrize(
-    ("long", "closed", "may"),
-    [(False, 0.7, True), (True, 0.7, False), (True, 0.55, True), (False, 0.8, False)],
+    ("long", "closed", "tried"),
+    [
+        (False, 0.7, ["creep", "contact", "backlash"]),
+        (True, 0.7, ["backlash", "contact"]),
+        (True, 0.55, ["creep", "contact", "backlash"]),
+    ],
 )
-def test_beside_a_force_that_takes_long_a_second_must_have_much_to_explain(
-    monkeypatch: pytest.MonkeyPatch, long: bool, closed: float, may: bool
+def test_beside_a_force_that_takes_long_few_are_tried_unless_it_leaves_much(
+    monkeypatch: pytest.MonkeyPatch, long: bool, closed: float, tried: list[str]
 ) -> None:
+    """They are the strongest by themselves."""
+    played: list[str] = []
     monkeypatch.setattr(exploration, "is_costly", lambda evidence, model: True)
     monkeypatch.setattr(exploration, "is_long", lambda evidence, model: long)
-    friction: Any = SimpleNamespace(effects=("friction",), model=None)
+    monkeypatch.setattr(exploration, "may_join", lambda evidence, leader, name: True)
+    monkeypatch.setattr(exploration, "base_of", lambda evidence, trial: trial)
+    monkeypatch.setattr(exploration, "_shown_by", lambda leader, pool: [])
+    monkeypatch.setattr(exploration, "refined", lambda evidence, trial, *limits: trial)
+    monkeypatch.setattr(
+        exploration, "play", lambda evidence, bases, names, *_: played.extend(names)
+    )
+    friction, *others = (
+        SimpleNamespace(effects=(name,), model=None)
+        for name in ("friction", "backlash", "contact", "creep")
+    )
     pool: Any = SimpleNamespace(
         evidence=None,
+        own=frozenset(),
+        tried={frozenset(trial.effects): trial for trial in (friction, *others)},
         closed=lambda trial: closed,
-        best=lambda size, count: [friction] if size == 1 else [],
-        leaves_more=lambda trial: True,
+        best=lambda size, count: [friction, *others],
+        add=lambda trial: None,
     )
-    assert exploration._may_lead(friction, pool, 1, set()) == may
+    leader: Any = friction
+    names = ["creep", "contact", "backlash", "friction"]
+    exploration._join(leader, names, pool, lambda *done: None, 1)
+    assert played == tried

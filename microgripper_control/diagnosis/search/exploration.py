@@ -35,7 +35,8 @@ BEAM = 2  # explanations that a further effect is added to
 SECONDS, SECONDS_IF_COSTLY = 7, 3  # second effects that are fitted, the most promising,
 THIRDS = 3  # and third ones
 UNCLOSED_IF_COSTLY = 0.25  # of the gap: what asks for an effect beside a costly force, a minute,
-UNCLOSED_IF_LONG = 0.4  # or ten where its simulation is long
+UNCLOSED_IF_LONG = 0.4  # or ten where its simulation is long: under that only
+SECONDS_IF_LONG = 2  # are tried, the strongest by themselves
 FAIR_PART = 0.2  # of the gap; two independent effects of one size close 0.3 of it each
 ALIKE = 0.9  # of what an effect closes alone: what closes as much may be meant in its place,
 EXCHANGED = 2  # so many at most
@@ -126,9 +127,7 @@ def _adds_much(trial: Trial, pool: Pool) -> bool:
 def _may_lead(leader: Trial, pool: Pool, size: int, shown: Set[str]) -> bool:
     """Whether one of the best explanations with `size` effects is worth a further one."""
     costly = is_costly(pool.evidence, leader.model)
-    long = costly and is_long(pool.evidence, leader.model)
-    asks = UNCLOSED_IF_LONG if long else UNCLOSED_IF_COSTLY
-    if costly and 1.0 - pool.closed(leader) < asks:
+    if costly and 1.0 - pool.closed(leader) < UNCLOSED_IF_COSTLY:
         return False
     best = pool.best(size, 1)
     near = RIVAL_IF_COSTLY if costly else RIVAL
@@ -140,7 +139,7 @@ def _may_lead(leader: Trial, pool: Pool, size: int, shown: Set[str]) -> bool:
 
 
 def _join(leader: Trial, names: Sequence[str], pool: Pool, progress: Progress, jobs: int) -> None:
-    """Add each of some effects to a leader that was fitted to the end."""
+    """Add each of some effects to a leader once it has been fitted to the end."""
     evidence = pool.evidence
     third = len(frozenset(leader.effects) - pool.own) > 1
     most = SECONDS_IF_COSTLY if is_costly(evidence, leader.model) else THIRDS if third else SECONDS
@@ -149,8 +148,18 @@ def _join(leader: Trial, names: Sequence[str], pool: Pool, progress: Progress, j
     rest = [
         name for name in names if name not in leader.effects and may_join(evidence, leader, name)
     ]
+    if is_long(evidence, leader.model) and 1.0 - pool.closed(leader) < UNCLOSED_IF_LONG:
+        beside = frozenset(leader.effects) - pool.own
+        new = [name for name in rest if beside | {name} not in pool.tried]
+        rest = _strongest(new, pool)[:SECONDS_IF_LONG]
     shown = _shown_by(leader, pool)
     play(evidence, [base_of(evidence, leader)], rest, most, pool, progress, jobs, shown)
+
+
+def _strongest(names: Sequence[str], pool: Pool) -> list[str]:
+    """Those of some effects that were tried by themselves, in the order of what they closed."""
+    alone = [name for trial in pool.best(1, len(pool.tried)) for name in trial.effects]
+    return [name for name in alone if name in names]
 
 
 def _exchange(names: Sequence[str], pool: Pool, progress: Progress, jobs: int) -> None:

@@ -56,7 +56,8 @@ RATE_UNIT = "1/(m*N^(n-1))"
 def starts(scales: Scales) -> Sequence[Values]:
     """A fiftieth of the stiffness, forgotten over more or less of the stroke; or all that slips.
 
-    What slips may be about as stiff as the rig: a fit does not get there from a seventh of it.
+    What slips may be about as stiff as the rig: a fit does not get there from a seventh of it. With
+    n = 2 a stronger force is forgotten sooner, so that a guess cannot just be made stronger.
     """
     alpha = 0.02 * scales.stiffness
     ways = (scales.stroke, scales.stroke / 4.0, scales.stroke / 16.0)
@@ -66,7 +67,9 @@ def starts(scales: Scales) -> Sequence[Values]:
         for share in (-0.6, 0.0, 0.6)
     ]
     saturating += [
-        {"alpha": alpha, "beta": 1.0 / (alpha * way**2), "gamma": 0.0, "n": 2.0} for way in ways
+        {"alpha": stiff, "beta": 1.0 / (stiff * way**2), "gamma": 0.0, "n": 2.0}
+        for stiff in (alpha, 7.0 * alpha)
+        for way in ways
     ]
     slipping = [
         {
