@@ -31,11 +31,31 @@ def thresholds(values: Values) -> Array:
     return np.asarray(values["widest"] * PLACES)
 
 
+def shares(values: Values) -> Array:
+    """s_i / sum_i s_i, shape (PLAYS,)."""
+    weights = np.exp(-values["taper"] * PLACES)
+    return np.asarray(weights / np.sum(weights))
+
+
 def edges(values: Values) -> Array:
     """What `move_bent_plays` goes by: the nine of `SHAPE`, the thresholds, V, and the shares."""
-    shares = np.exp(-values["taper"] * PLACES)
     shape = [values[name] for name in SHAPE]
-    return np.concatenate([shape, thresholds(values), shares / np.sum(shares)])
+    return np.concatenate([shape, thresholds(values), shares(values)])
+
+
+def crossing(values: Values) -> float:
+    """How far the edges are apart at most, as a share of what parts the plays on average.
+
+    Where one edge has crossed the other by more than that, a play follows one of them, both ways:
+    a bent line is left and no loop.
+    """
+    p = np.linspace(-1.0, 1.0, 41)
+    rise, fall = (
+        (values[bow] + (values[skew] + values[curl] * p**2) * p) * (1.0 - p**2)
+        for bow, skew, curl in (RISE, FALL)
+    )
+    width = 2.0 * float(thresholds(values) @ shares(values))
+    return float(np.max(np.abs(rise - fall))) / width
 
 
 @compiled

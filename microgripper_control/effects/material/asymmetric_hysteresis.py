@@ -51,6 +51,7 @@ from microgripper_control.effects.bent_plays import (
     RISE,
     SHAPE,
     STATES,
+    crossing,
     edges,
     move_bent_plays,
 )
@@ -67,6 +68,7 @@ LOOP_REACH = 65.0  # V, over which the paper's h forgets
 PAPERS_FEED = 0.08  # of the displacement: what feeds the paper's h
 LEAST_BENT = 0.15  # of the widest play,
 ALIKE = 4.0  # times what the edges differ: the most that both bend,
+CROSSED = 2.0  # times what parts the plays: the most that their edges may be apart,
 RULED_OUT = 3.0  # how unusual half or twice of that is
 TINY = 1e-30
 U_SO_FAR, H_SO_FAR, PLAYS_FROM = 2, 3, 6  # in the state
@@ -236,24 +238,31 @@ def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
 
 
 def idle(values: Values) -> Collection[str]:
-    """Plays are left out if they start like that, and are else all there is."""
-    if values["plays"] != 0.0:
-        return OWN
-    return "plays", "widest", "taper", *SHAPE
+    """Plays are left out if they start like that, and are else all there is.
+
+    Edges curl only where the plays are relative: others would take a bent line for a loop.
+    """
+    if values["plays"] == 0.0:
+        return "plays", "widest", "taper", *SHAPE
+    return OWN if values["relative"] else (*OWN, "rise_curl", "fall_curl")
 
 
 def unusual(values: Values, scales: Scales) -> float:
-    """Plays whose edges hardly bend, or bend alike, make no lopsided loop unless they are relative.
+    """Plays whose edges cross, and others whose edges hardly bend or bend alike, are not lopsided.
 
-    The first is Prandtl and Ishlinskii's own loop, for which there is no name here, the second a
-    bent line, for which there are others.
+    The first and the last make a bent line, for which there are other names, the second is Prandtl
+    and Ishlinskii's own loop, for which there is none here.
     """
-    if values["plays"] == 0.0 or values["relative"]:
+    if values["plays"] == 0.0:
         return 0.0
-    rise, fall = (np.array([values[name] for name in edge]) for edge in (RISE, FALL))
-    bent = max(np.max(np.abs(rise)), np.max(np.abs(fall))) / values["widest"]
-    alike = np.max(np.abs(rise + fall)) / max(np.max(np.abs(fall - rise)), TINY)
-    octaves = max(math.log2(LEAST_BENT / max(bent, TINY)), math.log2(max(alike, TINY) / ALIKE))
+    octaves = math.log2(max(crossing(values), TINY) / CROSSED)
+    if not values["relative"]:
+        rise, fall = (np.array([values[name] for name in edge]) for edge in (RISE, FALL))
+        bent = max(np.max(np.abs(rise)), np.max(np.abs(fall))) / values["widest"]
+        alike = np.max(np.abs(rise + fall)) / max(np.max(np.abs(fall - rise)), TINY)
+        octaves = max(
+            octaves, math.log2(LEAST_BENT / max(bent, TINY)), math.log2(max(alike, TINY) / ALIKE)
+        )
     return RULED_OUT * min(1.0, max(0.0, octaves))
 
 
