@@ -14,7 +14,7 @@ Source: Al Janaideh, Rakheja, Su 2011 (a generalised play with unlike envelopes)
 
 import numpy as np
 
-from microgripper_control.core.compiled import compiled
+from microgripper_control.core.compiled import compiled, inlined
 from microgripper_control.core.signals import Array
 from microgripper_control.effects.base import Values
 
@@ -23,6 +23,7 @@ PLACES = (np.arange(PLAYS) + 0.5) / PLAYS
 RISE = ("rise_bow", "rise_skew", "rise_curl")
 FALL = ("fall_bow", "fall_skew", "fall_curl")
 SHAPE = (*RISE, *FALL, "lowest", "highest", "relative")
+ACROSS = np.linspace(-1.0, 1.0, 41)  # p
 STATES = 2 * PLAYS  # the plays, then those with the mean edges
 
 
@@ -49,13 +50,15 @@ def crossing(values: Values) -> float:
     Where one edge has crossed the other by more than that, a play follows one of them, both ways:
     a bent line is left and no loop.
     """
-    p = np.linspace(-1.0, 1.0, 41)
-    rise, fall = (
-        (values[bow] + (values[skew] + values[curl] * p**2) * p) * (1.0 - p**2)
-        for bow, skew, curl in (RISE, FALL)
-    )
-    width = 2.0 * float(thresholds(values) @ shares(values))
-    return float(np.max(np.abs(rise - fall))) / width
+    bow, skew, curl = (values[fall] - values[rise] for rise, fall in zip(RISE, FALL, strict=True))
+    apart = max(abs(bend(bow, skew, curl, p)) for p in ACROSS)
+    return apart / (2.0 * float(thresholds(values) @ shares(values)))
+
+
+@inlined
+def bend(bow: float, skew: float, curl: float, p: float) -> float:
+    """How far an edge is above u, V."""
+    return (bow + (skew + curl * (p * p)) * p) * (1.0 - p * p)
 
 
 @compiled
@@ -63,9 +66,8 @@ def move_bent_plays(y: Array, u: float, edge: Array) -> float:
     """Move the plays y, shape (STATES,), to u, and how far they are then behind on average, V."""
     low, high = edge[6], edge[7]
     p = max(-1.0, min(1.0, (low + high - 2.0 * u) / (high - low))) if high > low else 1.0
-    room, square = 1.0 - p * p, p * p
-    rise = u + (edge[0] + (edge[1] + edge[2] * square) * p) * room
-    fall = u + (edge[3] + (edge[4] + edge[5] * square) * p) * room
+    rise = u + bend(edge[0], edge[1], edge[2], p)
+    fall = u + bend(edge[3], edge[4], edge[5], p)
     mean = 0.5 * (rise + fall)
     relative = edge[8] != 0.0
     behind = 0.0

@@ -24,7 +24,7 @@ from microgripper_control.diagnosis.search.labour import (
     is_long,
     may_join,
 )
-from microgripper_control.diagnosis.search.pool import Pool, is_read_off
+from microgripper_control.diagnosis.search.pool import Pool, is_read_off, strongest
 from microgripper_control.diagnosis.search.resettling import again_if_settled
 from microgripper_control.diagnosis.search.rounds import Progress, play, silent
 from microgripper_control.diagnosis.signs.signatures import signatures
@@ -151,15 +151,11 @@ def _join(leader: Trial, names: Sequence[str], pool: Pool, progress: Progress, j
     if is_long(evidence, leader.model) and 1.0 - pool.closed(leader) < UNCLOSED_IF_LONG:
         beside = frozenset(leader.effects) - pool.own
         new = [name for name in rest if beside | {name} not in pool.tried]
-        rest = _strongest(new, pool)[:SECONDS_IF_LONG]
+        rest = strongest(new, pool)[:SECONDS_IF_LONG]
+    if not rest:
+        return
     shown = _shown_by(leader, pool)
     play(evidence, [base_of(evidence, leader)], rest, most, pool, progress, jobs, shown)
-
-
-def _strongest(names: Sequence[str], pool: Pool) -> list[str]:
-    """Those of some effects that were tried by themselves, in the order of what they closed."""
-    alone = [name for trial in pool.best(1, len(pool.tried)) for name in trial.effects]
-    return [name for name in alone if name in names]
 
 
 def _exchange(names: Sequence[str], pool: Pool, progress: Progress, jobs: int) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -106,6 +107,12 @@ class Pool:
     def unexplained(self) -> bool:
         """Whether even the best explanation by one effect, or a refit, leaves more than that."""
         return self.leaves_more((self.best(1, 1) or [self.refit])[0])
+
+
+def strongest(names: Collection[str], pool: Pool) -> list[str]:
+    """Those of some effects that were tried by themselves, in the order of what they closed."""
+    alone = [name for trial in pool.best(1, len(pool.tried)) for name in trial.effects]
+    return [name for name in alone if name in names]
 
 
 def is_read_off(effect: str) -> bool:

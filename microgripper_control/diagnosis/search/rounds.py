@@ -22,7 +22,7 @@ from microgripper_control.diagnosis.search.attempt import (
     promise,
 )
 from microgripper_control.diagnosis.search.labour import is_costly
-from microgripper_control.diagnosis.search.pool import Pool
+from microgripper_control.diagnosis.search.pool import Pool, strongest
 from microgripper_control.diagnosis.search.schedule import side_by_side
 from microgripper_control.diagnosis.search.stretches import GLANCE, PART
 from microgripper_control.effects.base import Scales, Values, no_courses
@@ -134,8 +134,7 @@ def _promising(
     """
     looks = [(evidence, bases, name, _by_itself(name, pool)) for name in names]
     left: Mapping[str, float] = dict(side_by_side(promise, looks, jobs))
-    alone = [name for trial in pool.best(1, len(pool.tried)) for name in trial.effects]
-    strong = [name for name in alone if name in left][:RUNNERS_UP]
+    strong = strongest(left, pool)[:RUNNERS_UP]
     first = {*strong, *sorted({*shown} & {*left}, key=lambda name: left[name])[:SHOWN]}
     worth = [name for name in left if name in first or left[name] < HARDLY]
     return sorted(worth, key=lambda name: (name not in first, left[name]))
