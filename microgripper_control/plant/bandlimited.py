@@ -14,7 +14,9 @@ import numpy as np
 from microgripper_control.core.signals import Array
 
 FINEST = 8  # divisions of a sample period
-STRAIGHT = 3e-6  # of the swing: what a chord may be off the voltage where fewer divisions do
+STRAIGHT = 3e-6  # of the swing: what a chord may be off the voltage, if a sample is not divided,
+BENT = 3e-4  # and with fewer divisions, whose chords' mean is made up for
+ROUNDING = 1e-9  # of the voltage: the swing of one that stays where it is
 KEPT = 16  # voltages whose course is remembered: a fit asks for the same ones hundreds of times
 
 
@@ -43,34 +45,39 @@ def course(voltage: Array, periodic: bool) -> Course:
 @lru_cache(maxsize=KEPT)
 def _course(samples: bytes, periodic: bool) -> Course:
     voltage = np.frombuffer(samples)
-    fine, before, after = _period(voltage) if periodic else _continued(voltage)
-    for divisions in (1, 2, 4):
-        corners = fine[:: FINEST // divisions]
-        off = np.max(np.abs(np.diff(corners, 2)), initial=0.0) / 8.0
-        if off < STRAIGHT * np.ptp(voltage):
-            return Course(corners, divisions)
-    return Course(_for_chords(fine, before, after), FINEST)
+    fine = _period(voltage) if periodic else _continued(voltage)
+    swing = max(float(np.ptp(voltage)), ROUNDING * float(np.max(np.abs(voltage))))
+    divisions = FINEST
+    for fewer, off in ((4, BENT), (2, BENT), (1, STRAIGHT)):
+        if _farthest(fine[:: FINEST // fewer]) > off * swing:
+            break
+        divisions = fewer
+    return Course(_for_chords(fine[:: FINEST // divisions], divisions), divisions)
 
 
-def _period(voltage: Array) -> tuple[Array, float, float]:
-    """FINEST points a sample period, and the next ones before and after them."""
+def _farthest(corners: Array) -> float:
+    """How far the chords from corner to corner are off a smooth course at most."""
+    return float(np.max(np.abs(np.diff(corners, 2)), initial=0.0)) / 8.0
+
+
+def _period(voltage: Array) -> Array:
+    """FINEST points a sample period, up to where the next period begins."""
     fine = _finer(voltage)
-    return np.append(fine, fine[:1]), fine[-1], fine[1]
+    return np.append(fine, fine[:1])
 
 
-def _continued(voltage: Array) -> tuple[Array, float, float]:
-    """The same of a voltage that is not periodic.
+def _continued(voltage: Array) -> Array:
+    """The same of a voltage that is not periodic, up to its last sample.
 
     It is continued beyond its ends by point reflection, which keeps value and slope, so that
     nothing rings there.
     """
     there_and_back = np.concatenate([voltage, 2.0 * voltage[-1] - voltage[-2:0:-1]])
     drift = 2.0 * (voltage[-1] - voltage[0]) * np.arange(len(there_and_back)) / len(there_and_back)
-    fine = _finer(there_and_back - drift)
     count = (len(voltage) - 1) * FINEST + 1
     slope = 2.0 * (voltage[-1] - voltage[0]) / (len(there_and_back) * FINEST)
-    whole = fine[:count] + slope * np.arange(count)
-    return whole, 2.0 * whole[0] - whole[1], 2.0 * whole[-1] - whole[-2]
+    whole: Array = _finer(there_and_back - drift)[:count] + slope * np.arange(count)
+    return whole
 
 
 def _finer(period: Array) -> Array:
@@ -81,15 +88,15 @@ def _finer(period: Array) -> Array:
     return found
 
 
-def _for_chords(fine: Array, before: float, after: float) -> Array:
+def _for_chords(corners: Array, divisions: int) -> Array:
     """Corners whose chords have, from sample to sample, the mean of a smooth course.
 
     A chord is off the course by h^2 u'' / 12 in the mean, which a slow plant would take for a
     change of the voltage. The samples stay where they are, for a fast one that has arrived when it
-    is read. `before` and `after` go on beyond the ends.
+    is read.
     """
-    bend = np.diff(np.concatenate([[before], fine, [after]]), 2)
-    bend[::FINEST] = 0.0
-    share = FINEST / (FINEST - 1.0) / 12.0
-    corners: Array = fine - share * bend
-    return corners
+    moved: Array = corners.copy()
+    if divisions > 1:
+        moved[1:-1] -= divisions / (divisions - 1.0) / 12.0 * np.diff(corners, 2)
+        moved[::divisions] = corners[::divisions]
+    return moved
