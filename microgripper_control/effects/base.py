@@ -225,9 +225,10 @@ class Solver:
 
 
 # Where a sample period is to be divided, in fractions of it. `jumps`: when, other than at the
-# samples, what leaves jumps if the voltage is stepped. The other two count from each jump, and say
+# samples, what leaves jumps if the voltage is stepped. The others count from each jump, and say
 # where a course that is taken as straight from step to step needs a corner: `breaks` always,
-# `settling` if a link behind follows the course between the samples.
+# `bends` unless the voltage is smooth, `settling` if a link behind follows the course between the
+# samples.
 Instants = Callable[[Values, float], set[float]]
 
 
@@ -252,6 +253,7 @@ class Link:
     solver: Solver | None = None  # in place of the two when there are forces
     jumps: Instants = no_instants
     breaks: Instants = no_instants
+    bends: Instants = no_instants
     settling: Instants = no_instants
     courses: Courses = no_courses
     observed: Observed = nothing_observed

@@ -27,8 +27,9 @@ class Chain:
 
     `levels` (shape (4,)) is where each row of the bus rests when the run begins; only voltage and
     hysteresis are read, the links fill in the rest, and the drive's ends are the model's range.
-    `reading_age`, s, is how old the first reading is where the sensor converts on a clock of its
-    own.
+    The voltage is held through each step, or runs straight through it where it is `ramped`; where
+    it is `smooth`, no corner of it counts. `reading_age`, s, is how old the first reading is where
+    the sensor converts on a clock of its own.
     """
 
     def __init__(
@@ -38,12 +39,13 @@ class Chain:
         levels: Array,
         *,
         ramped: bool = False,
+        smooth: bool = False,
         divisions: int = 1,
         random: bool = False,
         reading_age: float = 0.0,
     ) -> None:
         links = [link for link in model.links if random or not link.random]
-        jumps, breaks = _edges(model, links, sample_period, ramped)
+        jumps, breaks = _edges(model, links, sample_period, ramped, smooth)
         jumps |= {i / divisions for i in range(divisions)}
         self.timing = timing = Timing.divide(sample_period, jumps, breaks, ramped)
         levels = np.append(levels, np.zeros(LEVELS - ROWS))
@@ -151,7 +153,7 @@ def _ready(
 
 
 def _edges(
-    model: Model, links: list[Link], sample_period: float, ramped: bool
+    model: Model, links: list[Link], sample_period: float, ramped: bool, smooth: bool
 ) -> tuple[set[float], set[float]]:
     """Where in a sample period a held voltage jumps, and where links want it divided, as shares."""
     jumps, breaks = {0.0}, {0.0}
@@ -160,6 +162,8 @@ def _edges(
         values = model.values(link.name)
         jumps |= link.jumps(values, sample_period)
         breaks |= link.breaks(values, sample_period)
+        if not smooth:
+            breaks |= link.bends(values, sample_period)
         if followed:
             breaks |= link.settling(values, sample_period)
     return jumps, {(jump + wanted) % 1.0 for jump in jumps for wanted in breaks}

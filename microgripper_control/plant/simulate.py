@@ -74,13 +74,13 @@ def simulate(
     periodic = initial is Initial.PERIODIC
     driven = np.append(voltage, voltage[0]) if periodic else voltage
     smooth = course(voltage, periodic) if hold is Hold.BANDLIMITED else None
-    divisions = smooth.divisions if smooth else 1
     chain = Chain(
         model,
         sample_period,
         levels,
         ramped=ramped,
-        divisions=divisions,
+        smooth=smooth is not None,
+        divisions=smooth.divisions if smooth else 1,
         random=random,
         reading_age=reading_age,
     )

@@ -159,6 +159,25 @@ def test_a_slow_oscillator_answers_a_bandlimited_sine_as_its_transfer_function_s
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-4 * abs(gain))
 
 
+@pytest.mark.parametrize("frequency", [8.0, 40.0])
+@pytest.mark.parametrize("lag", [0.2 * PERIOD, 2.0 * PERIOD])
+def test_a_lag_answers_a_bandlimited_sine_as_its_transfer_function_says(
+    paper: Model, frequency: float, lag: float
+) -> None:
+    """To a microsecond, without the corners that the lag asks for after a jump."""
+    straight = paper.with_values({("bouc_wen", "alpha"): 0.0})
+    v, d = straight.values("second_order"), straight.values("bouc_wen")["d"]
+    turns = 2j * np.pi * frequency
+    stiffness = v["k"] + v["k_s"]
+    gain = v["k"] * d / (v["m"] * turns**2 + v["b"] * turns + stiffness) / (1.0 + lag * turns)
+    times = PERIOD * np.arange(1000)
+    model = straight.with_link("amplifier_lag", lag=lag, curvature=0.0)
+    voltage = 80.0 + 50.0 * np.sin(2.0 * np.pi * frequency * times)
+    found = simulate(model, voltage, PERIOD, hold=Hold.BANDLIMITED, initial=Initial.PERIODIC)
+    expected = 80.0 * d * v["k"] / stiffness + 50.0 * np.imag(gain * np.exp(turns * times))
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-6 * abs(turns) * 50.0 * abs(gain))
+
+
 @pytest.mark.parametrize("samples", [0.3, 1.0, 2.75])
 def test_a_delayed_voltage(paper: Model, samples: float) -> None:
     """The held voltage steps at the shifted instants, fractions of a sample included."""

@@ -88,5 +88,6 @@ def _divisions(evidence: Evidence) -> int:
 
 def _labour(evidence: Evidence, model: Model) -> int:
     """Rows of coefficients a sample of a model takes."""
-    ramped = evidence.conditions.hold is not Hold.ZERO
-    return Chain(model, evidence.scales.sample_period, np.zeros(ROWS), ramped=ramped).labour
+    hold, period = evidence.conditions.hold, evidence.scales.sample_period
+    ramped, smooth = hold is not Hold.ZERO, hold is Hold.BANDLIMITED
+    return Chain(model, period, np.zeros(ROWS), ramped=ramped, smooth=smooth).labour

@@ -35,7 +35,7 @@ BENDS = (*(-2.0 * math.log1p(-i / PIECES) for i in range(1, PIECES)), 7.0, 11.0,
 TURNS = 3  # of an overshoot that are followed: at c of 1 the third is 0.4 % of a step
 
 
-def breaks(values: Values, sample_period: float) -> set[float]:
+def bends(values: Values, sample_period: float) -> set[float]:
     """Ends of the chords that follow the approach after a jump, and the turns of an overshoot."""
     lag, c = (1.0 - values["third"]) * values["lag"], values["curvature"]
     bends = {*BENDS}
@@ -115,7 +115,7 @@ LINK = Link(
     ),
     prepare=prepare,
     kernel=kernel,
-    breaks=breaks,
+    bends=bends,
     idle=idle,
     starts=starts,
     behind=behind,

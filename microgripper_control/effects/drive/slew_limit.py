@@ -40,7 +40,7 @@ def _both_ways(values: Values) -> tuple[float, float]:
     return time * (1.0 + asymmetry), time * (1.0 - asymmetry)
 
 
-def breaks(values: Values, sample_period: float) -> set[float]:
+def bends(values: Values, sample_period: float) -> set[float]:
     """Where jumps of various sizes have been worked off."""
     found = set()
     for way in _both_ways(values):
@@ -127,7 +127,7 @@ LINK = Link(
     ),
     prepare=prepare,
     kernel=kernel,
-    breaks=breaks,
+    bends=bends,
     starts=starts,
     says=says,
 )
