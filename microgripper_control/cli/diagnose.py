@@ -41,8 +41,9 @@ from microgripper_control.diagnosis.search.rounds import Progress as OnProgress
 from microgripper_control.diagnosis.search.schedule import cluster
 from microgripper_control.effects.registry import link_named
 from microgripper_control.identification.nuisance import Conditions
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model_file import save_model
-from microgripper_control.plant.simulate import Hold, Initial
+from microgripper_control.plant.simulate import Initial
 from microgripper_control.report.diagnosis_page import write_diagnosis_report
 
 HELDOUT = "--heldout"

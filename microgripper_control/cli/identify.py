@@ -25,9 +25,10 @@ from microgripper_control.cli.tables import print_table
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.fit import Fit, fit
 from microgripper_control.identification.nuisance import Conditions
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Key, Setting
 from microgripper_control.plant.model_file import save_model
-from microgripper_control.plant.simulate import Hold, Initial
+from microgripper_control.plant.simulate import Initial
 
 GAIN_TITLE = "gain d k/(k + k_s)"
 

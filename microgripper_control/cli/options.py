@@ -12,9 +12,10 @@ import typer
 from microgripper_control.core.errors import MicrogripperError, one_line
 from microgripper_control.core.files import check_place
 from microgripper_control.core.recording import Recording
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.model_file import load_model
-from microgripper_control.plant.simulate import Hold, Initial
+from microgripper_control.plant.simulate import Initial
 from microgripper_control.recordings.mapping import Mapping
 from microgripper_control.recordings.read import read_recording
 

@@ -28,7 +28,8 @@ from microgripper_control.identification.nuisance import (
     predict,
     refuse_divergence,
 )
-from microgripper_control.plant.simulate import Hold, Initial
+from microgripper_control.plant.hold import Hold
+from microgripper_control.plant.simulate import Initial
 
 
 class NuisanceFit(str, enum.Enum):

@@ -21,8 +21,9 @@ from microgripper_control.core.signals import Array
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.initial_hysteresis import least_squares_h
 from microgripper_control.identification.reading_age import Late
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model
-from microgripper_control.plant.simulate import Hold, Initial, sensed, simulate
+from microgripper_control.plant.simulate import Initial, sensed, simulate
 
 Mask = NDArray[np.bool_]
 

@@ -27,8 +27,8 @@ from microgripper_control.identification.nuisance import (
     middle_reading,
     response,
 )
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Key, Model
-from microgripper_control.plant.simulate import Hold
 
 DIFFERENCE = 1e-5  # step of the finite differences, in units of the scale
 

@@ -26,8 +26,9 @@ from microgripper_control.nodes.parameters import (
     model_path,
 )
 from microgripper_control.nodes.shell import POLL, Shell, run
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model_file import load_model, save_model
-from microgripper_control.plant.simulate import Hold, Initial
+from microgripper_control.plant.simulate import Initial
 from microgripper_control.recordings.read import read_recording
 
 TIMEOUT = Parameter("timeout", "s", 10.0, 0.1, 3600.0, "longest wait for the controller")

@@ -16,6 +16,7 @@ from microgripper_control.core.signals import (
 )
 from microgripper_control.effects import conversion_clock
 from microgripper_control.effects.base import Kernel, Link, Load, Prepared, Stage, Values
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model
 
 CLOSED = 1e-10  # of the stroke: what a period may differ from the one before
@@ -27,9 +28,9 @@ class Chain:
 
     `levels` (shape (4,)) is where each row of the bus rests when the run begins; only voltage and
     hysteresis are read, the links fill in the rest, and the drive's ends are the model's range.
-    The voltage is held through each step, or runs straight through it where it is `ramped`; where
-    it is `smooth`, no corner of it counts. `reading_age`, s, is how old the first reading is where
-    the sensor converts on a clock of its own.
+    Each step's voltage is held through it, or runs straight through it unless `hold` is zero; a
+    band-limited one has no corners that count. `reading_age`, s, is how old the first reading is
+    where the sensor converts on a clock of its own.
     """
 
     def __init__(
@@ -38,16 +39,15 @@ class Chain:
         sample_period: float,
         levels: Array,
         *,
-        ramped: bool = False,
-        smooth: bool = False,
+        hold: Hold = Hold.ZERO,
         divisions: int = 1,
         random: bool = False,
         reading_age: float = 0.0,
     ) -> None:
         links = [link for link in model.links if random or not link.random]
-        jumps, breaks = _edges(model, links, sample_period, ramped, smooth)
+        jumps, breaks = _edges(model, links, sample_period, hold)
         jumps |= {i / divisions for i in range(divisions)}
-        self.timing = timing = Timing.divide(sample_period, jumps, breaks, ramped)
+        self.timing = timing = Timing.divide(sample_period, jumps, breaks, hold is not Hold.ZERO)
         levels = np.append(levels, np.zeros(LEVELS - ROWS))
         levels[[LOW + VOLTAGE, HIGH + VOLTAGE]] = model.voltage_range
         self._continuous: list[tuple[Kernel, Array, Array]] = []
@@ -153,16 +153,16 @@ def _ready(
 
 
 def _edges(
-    model: Model, links: list[Link], sample_period: float, ramped: bool, smooth: bool
+    model: Model, links: list[Link], sample_period: float, hold: Hold
 ) -> tuple[set[float], set[float]]:
     """Where in a sample period a held voltage jumps, and where links want it divided, as shares."""
     jumps, breaks = {0.0}, {0.0}
-    followed = not ramped and (model.clock > 0.0 or any(link.follows for link in links))
+    followed = hold is Hold.ZERO and (model.clock > 0.0 or any(link.follows for link in links))
     for link in links:
         values = model.values(link.name)
         jumps |= link.jumps(values, sample_period)
         breaks |= link.breaks(values, sample_period)
-        if not smooth:
+        if hold is not Hold.BANDLIMITED:
             breaks |= link.bends(values, sample_period)
         if followed:
             breaks |= link.settling(values, sample_period)

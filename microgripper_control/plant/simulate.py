@@ -25,20 +25,13 @@ from microgripper_control.effects.material.bouc_wen import advance
 from microgripper_control.effects.registry import registry
 from microgripper_control.plant.bandlimited import Course, course
 from microgripper_control.plant.chain import Chain
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model
 
 BLOCK = 8192  # internal steps on the bus at a time: it stays in the cache, whatever the length
 
 # drive(bus, begin): fill in the voltage of a block that begins at the sample `begin`.
 Drive = Callable[[Array, int], None]
-
-
-class Hold(str, enum.Enum):
-    """How the voltage runs between its samples."""
-
-    ZERO = "zero"
-    FIRST = "first"
-    BANDLIMITED = "bandlimited"
 
 
 class Initial(str, enum.Enum):
@@ -78,8 +71,7 @@ def simulate(
         model,
         sample_period,
         levels,
-        ramped=ramped,
-        smooth=smooth is not None,
+        hold=hold,
         divisions=smooth.divisions if smooth else 1,
         random=random,
         reading_age=reading_age,

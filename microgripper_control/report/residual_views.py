@@ -14,7 +14,7 @@ from scipy.signal import welch
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
 from microgripper_control.identification.nuisance import Mask
-from microgripper_control.plant.simulate import Hold
+from microgripper_control.plant.hold import Hold
 
 LONGEST_SEGMENT = 2**20  # samples of a spectrum
 SEGMENTS = 4  # of a recording, half overlapping

@@ -15,8 +15,9 @@ from microgripper_control.diagnosis.experiments.experiment import next_experimen
 from microgripper_control.diagnosis.experiments.rehearsal import Rehearsal, rivals_of
 from microgripper_control.diagnosis.findings import NextExperiment
 from microgripper_control.identification.nuisance import Conditions
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model, nominal_model
-from microgripper_control.plant.simulate import Hold, simulate
+from microgripper_control.plant.simulate import simulate
 
 PERIOD = 1e-3
 NOISE = 15e-9

@@ -14,8 +14,9 @@ from microgripper_control.diagnosis.fits.fitting import refine
 from microgripper_control.diagnosis.fits.identified_model import allowed, identified
 from microgripper_control.diagnosis.fits.trial import Trial, fitted_keys
 from microgripper_control.identification.nuisance import Conditions
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import nominal_model
-from microgripper_control.plant.simulate import Hold, Initial, simulate
+from microgripper_control.plant.simulate import Initial, simulate
 
 PERIOD = 1e-3
 TIME = PERIOD * np.arange(8000)

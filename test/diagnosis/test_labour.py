@@ -9,8 +9,9 @@ from microgripper_control.core.recording import Recording
 from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.search.labour import is_costly, is_long
 from microgripper_control.identification.nuisance import Conditions
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import nominal_model
-from microgripper_control.plant.simulate import Hold, simulate
+from microgripper_control.plant.simulate import simulate
 
 PERIOD = 1e-3
 

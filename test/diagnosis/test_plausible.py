@@ -11,8 +11,8 @@ from microgripper_control.diagnosis.fits.trial import Trial, problem_of
 from microgripper_control.diagnosis.search.labour import may_join
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.nuisance import Conditions
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model, nominal_model
-from microgripper_control.plant.simulate import Hold
 
 RATE = "rate_dependent_hysteresis"
 KEY = (RATE, "memory")

@@ -8,8 +8,9 @@ from scipy.signal import lfilter
 
 from microgripper_control.core.signals import POSITION, ROWS, Timing
 from microgripper_control.effects import conversion_clock
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import nominal_model
-from microgripper_control.plant.simulate import Hold, simulate
+from microgripper_control.plant.simulate import simulate
 
 PERIOD = 1e-3  # s
 

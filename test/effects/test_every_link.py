@@ -10,8 +10,9 @@ import pytest
 from microgripper_control.core.signals import Array
 from microgripper_control.effects.base import Link, Scales
 from microgripper_control.effects.registry import registry
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model
-from microgripper_control.plant.simulate import Hold, Initial, simulate
+from microgripper_control.plant.simulate import Initial, simulate
 
 PERIOD = 1e-3
 STROKE = 20e-6  # m

@@ -11,8 +11,9 @@ import pytest
 from microgripper_control.core.signals import Array
 from microgripper_control.effects.material.bouc_wen import advance
 from microgripper_control.effects.past import shares_of_ways
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model, nominal_model
-from microgripper_control.plant.simulate import Hold, Initial, simulate
+from microgripper_control.plant.simulate import Initial, simulate
 
 PERIOD = 1e-3  # s
 HIGH = 160.0  # V, of the nominal model, from 0 V on

@@ -11,8 +11,9 @@ from scipy.integrate import solve_ivp
 
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.signals import Array
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model, nominal_model
-from microgripper_control.plant.simulate import Hold, Initial, Plant, simulate
+from microgripper_control.plant.simulate import Initial, Plant, simulate
 
 STROKE = 20e-6  # m
 PERIOD = 1e-3

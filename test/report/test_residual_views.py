@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from microgripper_control.core.recording import Recording
-from microgripper_control.plant.simulate import Hold
+from microgripper_control.plant.hold import Hold
 from microgripper_control.report.residual_views import (
     COLUMNS,
     ROWS,

@@ -14,8 +14,9 @@ from microgripper_control.bench.rivals.scripted import Script, numpy_loop
 from microgripper_control.bench.row import FASTER, Effort, Line, Measured, Row, at_least
 from microgripper_control.bench.timing import Contestant, take_turns
 from microgripper_control.core.signals import Array
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import nominal_model
-from microgripper_control.plant.simulate import Hold, simulate
+from microgripper_control.plant.simulate import simulate
 
 METHODS = ("RK45", "DOP853", "LSODA", "Radau", "BDF")
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)

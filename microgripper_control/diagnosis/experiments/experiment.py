@@ -14,8 +14,8 @@ from microgripper_control.diagnosis.findings import NextExperiment
 from microgripper_control.effects.base import Stage
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.nuisance import Conditions
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model
-from microgripper_control.plant.simulate import Hold
 
 LONGEST = 20.0  # s
 MOST_SAMPLES = 40_000

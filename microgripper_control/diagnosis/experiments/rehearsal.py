@@ -25,8 +25,9 @@ from microgripper_control.identification.nuisance import (
     fit_nuisance,
     largest_hysteresis,
 )
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Key, Model
-from microgripper_control.plant.simulate import Hold, Initial, simulate
+from microgripper_control.plant.simulate import Initial, simulate
 
 BASE: tuple[Key, ...] = tuple(("bouc_wen", name) for name in ("d", "alpha", "beta", "gamma"))
 DIFFERENCE = 1e-3  # of a parameter's size, or of the largest initial h

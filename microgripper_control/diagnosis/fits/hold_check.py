@@ -11,7 +11,7 @@ from dataclasses import replace
 from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.fits.fitting import ROUGH, refine
 from microgripper_control.diagnosis.fits.trial import Trial, unfitted
-from microgripper_control.plant.simulate import Hold
+from microgripper_control.plant.hold import Hold
 
 FAR_BETTER = 0.6  # of the error that the chosen setting leaves
 

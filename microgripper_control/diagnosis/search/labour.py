@@ -14,8 +14,9 @@ from microgripper_control.diagnosis.fits.trial import Trial
 from microgripper_control.effects.registry import registry
 from microgripper_control.plant.bandlimited import course
 from microgripper_control.plant.chain import Chain
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model
-from microgripper_control.plant.simulate import Hold, Initial
+from microgripper_control.plant.simulate import Initial
 
 MOST_ROWS = 2e7  # of coefficients in a simulation with forces: what makes it longer does not join
 LONG_ROWS = 2e6  # the same: a round of further effects then takes some ten minutes
@@ -88,6 +89,5 @@ def _divisions(evidence: Evidence) -> int:
 
 def _labour(evidence: Evidence, model: Model) -> int:
     """Rows of coefficients a sample of a model takes."""
-    hold, period = evidence.conditions.hold, evidence.scales.sample_period
-    ramped, smooth = hold is not Hold.ZERO, hold is Hold.BANDLIMITED
-    return Chain(model, period, np.zeros(ROWS), ramped=ramped, smooth=smooth).labour
+    period, hold = evidence.scales.sample_period, evidence.conditions.hold
+    return Chain(model, period, np.zeros(ROWS), hold=hold).labour

@@ -17,8 +17,8 @@ from microgripper_control.identification.nuisance import (
     blocks,
     heldout_prediction,
 )
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model_file import load_model
-from microgripper_control.plant.simulate import Hold
 from microgripper_control.recordings.mapping import Mapping
 from microgripper_control.recordings.read import read_recording
 from microgripper_control.validation.case_files import JOB

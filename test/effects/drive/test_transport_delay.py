@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from microgripper_control.core.signals import Array
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model
-from microgripper_control.plant.simulate import Hold, simulate
+from microgripper_control.plant.simulate import simulate
 
 PERIOD = 1e-3
 Alone = Callable[..., Array]

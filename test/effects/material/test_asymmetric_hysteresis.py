@@ -12,8 +12,9 @@ from microgripper_control.core.signals import FALLEN, HIGH, LEVELS, RISEN, VOLTA
 from microgripper_control.effects.base import Scales
 from microgripper_control.effects.material.asymmetric_hysteresis import apart
 from microgripper_control.effects.registry import link_named
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model
-from microgripper_control.plant.simulate import Hold, Initial, simulate
+from microgripper_control.plant.simulate import Initial, simulate
 
 LINK = "asymmetric_hysteresis"
 VALUES = {

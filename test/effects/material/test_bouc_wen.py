@@ -9,8 +9,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from microgripper_control.effects.material.bouc_wen import advance, slope
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model
-from microgripper_control.plant.simulate import Hold, simulate
+from microgripper_control.plant.simulate import simulate
 
 
 def integrated(g: float, xi: float, beta: float, gamma: float, n: float) -> float:

@@ -14,8 +14,9 @@ from microgripper_control.effects.base import Scales
 from microgripper_control.effects.material.creep import LINK, courses, time_constants
 from microgripper_control.effects.registry import link_named
 from microgripper_control.identification.fit import fit
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model
-from microgripper_control.plant.simulate import Hold, Initial, simulate
+from microgripper_control.plant.simulate import Initial, simulate
 
 Alone = Callable[..., Array]
 VALUES = {"strength": 0.02, "fastest": 0.01, "slowest": 1000.0}

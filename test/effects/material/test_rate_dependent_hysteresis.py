@@ -11,8 +11,9 @@ from scipy.integrate import solve_ivp
 from microgripper_control.core.signals import FREE, HYSTERESIS, ROWS, VOLTAGE, Array, Timing
 from microgripper_control.effects.base import Scales
 from microgripper_control.effects.registry import link_named
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model
-from microgripper_control.plant.simulate import Hold, Initial, simulate
+from microgripper_control.plant.simulate import Initial, simulate
 
 LINK = "rate_dependent_hysteresis"
 VALUES = {"strength": 0.2, "memory": 0.03, "reference": 5.0}

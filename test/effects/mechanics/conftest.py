@@ -10,8 +10,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from microgripper_control.core.signals import Array
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model
-from microgripper_control.plant.simulate import Hold, simulate
+from microgripper_control.plant.simulate import simulate
 
 PERIOD = 1e-3
 

@@ -12,8 +12,9 @@ from microgripper_control.effects.base import Scales
 from microgripper_control.effects.mechanics.friction import law
 from microgripper_control.effects.registry import registry
 from microgripper_control.effects.slipping_springs import SPRINGS
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model
-from microgripper_control.plant.simulate import Hold, simulate
+from microgripper_control.plant.simulate import simulate
 
 LINK = "friction"
 COULOMB = 10.0  # N

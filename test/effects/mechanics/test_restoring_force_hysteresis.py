@@ -15,8 +15,9 @@ from microgripper_control.effects.material.bouc_wen import advance
 from microgripper_control.effects.mechanics.restoring_force_hysteresis import law, memory
 from microgripper_control.effects.registry import link_named
 from microgripper_control.effects.slipping_springs import SPRINGS
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model
-from microgripper_control.plant.simulate import Hold, Initial, simulate
+from microgripper_control.plant.simulate import Initial, simulate
 
 LINK = "restoring_force_hysteresis"
 SCALES = Scales(1e-3, 10.0, (0.0, 160.0), 1e3, (0.0, 2e-5), 5e7, 0.0038)

@@ -13,8 +13,9 @@ from microgripper_control.core.signals import POSITION, Array
 from microgripper_control.effects.base import Scales
 from microgripper_control.effects.registry import link_named
 from microgripper_control.effects.transmission.backlash import PINS
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model
-from microgripper_control.plant.simulate import Hold, Initial, simulate
+from microgripper_control.plant.simulate import Initial, simulate
 
 PLAY = 2e-6  # m
 STEPS = (0.3e-3, 0.7e-3)  # s
