@@ -1,42 +1,73 @@
 """The end of a process: waited for, but not for ever.
 
-Once, under load, a process that had done all its work never came back from the middleware's end.
+Now and then a process that has done all its work never comes back from the middleware's end, which
+keeps the interpreter's lock meanwhile: no Python runs then, no thread and no signal handler.
 Whoever waits for it, a launch file or a script, would wait as long.
 """
 
 from __future__ import annotations
 
+import ctypes
 import faulthandler
-import os
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from threading import Timer
+
+SIGEV_THREAD = 2  # of timer_create(2): a function is called in a thread of its own
+TOLD = 0.25  # s, for saying where it hangs
+
+
+class _Event(ctypes.Structure):
+    """struct sigevent of sigevent(3type)."""
+
+    _fields_ = (
+        ("value", ctypes.c_void_p),
+        ("signal", ctypes.c_int),
+        ("notify", ctypes.c_int),
+        ("function", ctypes.c_void_p),
+        ("attributes", ctypes.c_void_p),
+        ("room", ctypes.c_char * 32),
+    )
+
+
+class _Times(ctypes.Structure):
+    """struct itimerspec: how often after the first time, and when that is; s and ns."""
+
+    _fields_ = tuple((name, ctypes.c_long) for name in ("every", "every_ns", "first", "first_ns"))
 
 
 @contextmanager
 def no_longer_than(seconds: float, status: int) -> Iterator[None]:
     """End the process with `status` if what is done inside takes longer, and say where it hangs.
 
-    What hangs without letting other threads run is ended after twice as long, with status 1. What
-    the interpreter does afterwards is not watched.
+    What the interpreter does afterwards is not watched.
     """
-    guard = Timer(seconds, _give_up, [status])
-    guard.daemon = True
+    with suppress(ValueError, OSError):
+        sys.stdout.flush()  # nothing that was printed is lost
+    with suppress(ValueError, RuntimeError, OSError):  # where standard error is no file
+        faulthandler.dump_traceback_later(seconds)
     try:
-        guard.start()
-        with suppress(ValueError, RuntimeError, OSError):  # where standard error is no file
-            faulthandler.dump_traceback_later(2.0 * seconds, exit=True)
-        yield
+        with _ended_after(seconds + TOLD, status):
+            yield
     finally:
-        guard.cancel()
         faulthandler.cancel_dump_traceback_later()
 
 
-def _give_up(status: int) -> None:
+@contextmanager
+def _ended_after(seconds: float, status: int) -> Iterator[None]:
+    """Have the C library end the process: it needs no lock for that."""
+    library, timer = ctypes.CDLL(None), ctypes.c_void_p()
+    end = ctypes.cast(library._exit, ctypes.c_void_p).value
+    event = _Event(value=status, notify=SIGEV_THREAD, function=end)
+    create = getattr(library, "timer_create", None)  # not on every system
+    if not create or create(time.CLOCK_MONOTONIC, ctypes.byref(event), ctypes.byref(timer)):
+        yield
+        return
+    whole, part = divmod(seconds, 1.0)
+    times = _Times(first=int(whole), first_ns=int(1e9 * part))
+    library.timer_settime(timer, 0, ctypes.byref(times), None)
     try:
-        print("the process does not end by itself; it is ended here:", file=sys.stderr, flush=True)
-        faulthandler.dump_traceback()
-        sys.stdout.flush()
+        yield
     finally:
-        os._exit(status)
+        library.timer_delete(timer)
