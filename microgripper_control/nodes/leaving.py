@@ -41,33 +41,31 @@ class _Times(ctypes.Structure):
 def no_longer_than(seconds: float, status: int) -> Iterator[None]:
     """End the process with `status` if what is done inside takes longer, and say where it hangs.
 
-    What the interpreter does afterwards is not watched.
+    With status 1 where the system has no timer for it. What the interpreter does afterwards is not
+    watched.
     """
     with suppress(ValueError, OSError):
         sys.stdout.flush()  # nothing that was printed is lost
-    with suppress(ValueError, RuntimeError, OSError):  # where standard error is no file
-        faulthandler.dump_traceback_later(seconds)
+    library, timer = ctypes.CDLL(None), ctypes.c_void_p()
+    timed = _end_later(library, timer, seconds + TOLD, status)
     try:
-        with _ended_after(seconds + TOLD, status):
-            yield
+        with suppress(ValueError, RuntimeError, OSError):  # where standard error is no file
+            faulthandler.dump_traceback_later(seconds, exit=not timed)
+        yield
     finally:
         faulthandler.cancel_dump_traceback_later()
+        if timed:
+            library.timer_delete(timer)
 
 
-@contextmanager
-def _ended_after(seconds: float, status: int) -> Iterator[None]:
-    """Have the C library end the process: it needs no lock for that."""
-    library, timer = ctypes.CDLL(None), ctypes.c_void_p()
+def _end_later(library: ctypes.CDLL, timer: ctypes.c_void_p, seconds: float, status: int) -> bool:
+    """Have the C library end the process, which needs no lock; whether the system has a timer."""
     end = ctypes.cast(library._exit, ctypes.c_void_p).value
     event = _Event(value=status, notify=SIGEV_THREAD, function=end)
-    create = getattr(library, "timer_create", None)  # not on every system
+    create = getattr(library, "timer_create", None)
     if not create or create(time.CLOCK_MONOTONIC, ctypes.byref(event), ctypes.byref(timer)):
-        yield
-        return
+        return False
     whole, part = divmod(seconds, 1.0)
     times = _Times(first=int(whole), first_ns=int(1e9 * part))
     library.timer_settime(timer, 0, ctypes.byref(times), None)
-    try:
-        yield
-    finally:
-        library.timer_delete(timer)
+    return True

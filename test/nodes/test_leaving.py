@@ -7,16 +7,16 @@ import pytest
 
 PROGRAM = """
 import ctypes, time
-from microgripper_control.nodes.leaving import no_longer_than
-print("worked", end="")
-with no_longer_than({seconds}, 7):
+from microgripper_control.nodes import leaving
+print("worked", end=""); {before}
+with leaving.no_longer_than({seconds}, 7):
     {what}
 """
 HANGS = "ctypes.PyDLL(None).sleep(60)"  # keeps the interpreter's lock
 
 
-def ended(what: str, seconds: float = 0.2) -> subprocess.CompletedProcess[str]:
-    program = PROGRAM.format(seconds=seconds, what=what)
+def ended(what: str, before: str = "") -> subprocess.CompletedProcess[str]:
+    program = PROGRAM.format(seconds=0.2, what=what, before=before)
     return subprocess.run(
         [sys.executable, "-c", program], capture_output=True, text=True, timeout=50, check=False
     )
@@ -33,3 +33,7 @@ def test_a_process_that_hangs_at_its_end_is_ended_and_says_where(what: str) -> N
 def test_a_process_that_ends_in_time_is_left_alone() -> None:
     process = ended("pass\ntime.sleep(1.0)")
     assert (process.returncode, process.stdout, process.stderr) == (0, "worked", "")
+
+
+def test_a_system_without_such_a_timer_still_ends_what_hangs() -> None:
+    assert ended(HANGS, before="leaving._end_later = lambda *_: False").returncode == 1

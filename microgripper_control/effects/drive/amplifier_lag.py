@@ -38,10 +38,10 @@ TURNS = 3  # of an overshoot that are followed: at c of 1 the third is 0.4 % of 
 def bends(values: Values, sample_period: float) -> set[float]:
     """Ends of the chords that follow the approach after a jump, and the turns of an overshoot."""
     lag, c = (1.0 - values["third"]) * values["lag"], values["curvature"]
-    bends = {*BENDS}
+    times = {*BENDS}
     if c > 0.25:
-        bends |= {turn * math.tau * c / math.sqrt(4.0 * c - 1.0) for turn in range(1, TURNS + 1)}
-    return {lag * bend / sample_period for bend in bends if lag * bend < sample_period}
+        times |= {turn * math.tau * c / math.sqrt(4.0 * c - 1.0) for turn in range(1, TURNS + 1)}
+    return {lag * time / sample_period for time in times if lag * time < sample_period}
 
 
 @compiled
