@@ -30,6 +30,7 @@ from microgripper_control.effects.base import Force, Link, Scales, Stage, Values
 REFERENCE = 1e-6  # m, r above
 BESIDE = 0.1  # of the stroke: what the nominal model may be wrong about where it ends
 MOST_DAMPING = 100.0  # s/m; metals have 0.1 to 0.3, and much lets go whenever the finger turns
+MOST_STIFFENING = 10.0  # pressed within a sample; what is stiffer still is damped
 SHOWN = 0.05  # of the force: relaxation below that is not spoken of
 TOUCHED = 0.55  # of the stroke: what is touched over more is rather a spring of the rig,
 ALWAYS = 0.8  # and over so much it is one
@@ -104,6 +105,7 @@ def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
         "position": (low - beside, high + beside),
         "stiffness": (0.0, 100.0 * scales.stiffness),
         "damping": (0.0, MOST_DAMPING),
+        "stiffening": (0.0, MOST_STIFFENING),
         "fastest": (scales.sample_period, scales.duration),
         "slowest": (scales.sample_period, scales.duration),
     }
