@@ -192,6 +192,9 @@ class ControllerNode(ManagedShell):
     def _apply(self, settings: ControllerSettings) -> None:
         if self._controller is not None:
             settings.change(self._controller, self._settings)
+        if self.active and settings.mode is not self._settings.mode:
+            self._pairing.forget_setpoint()
+            self._statistics.forget_setpoint()
         self._settings = settings
 
     @property

@@ -40,12 +40,17 @@ class Statistics:
     def note(self, paired: Paired) -> None:
         """Count a sample that was answered."""
         self._answered += 1
-        if paired.setpoint is not None:
+        if paired.setpoint is not None and math.isfinite(paired.setpoint):  # else it was refused
             self._last_setpoint = paired.setpoint
         error = self._last_setpoint - paired.displacement
         if math.isfinite(error):
             self._squares += error * error
             self._compared += 1
+
+    def forget_setpoint(self) -> None:
+        """Compare with none until the next one comes: another mode may mean another unit."""
+        self._last_setpoint = math.nan
+        self._squares, self._compared = 0.0, 0
 
     def health(self, controller: Controller, elapsed: float) -> Health:
         """The report, `elapsed` s after the last one."""

@@ -65,6 +65,10 @@ class Pairing:
         self._sample = None
         self.deadline = math.inf
 
+    def forget_setpoint(self) -> None:
+        """Forget one that no sample has taken: another mode would read it in its own unit."""
+        self._setpoint = None
+
     def take(self) -> Paired:
         """The sample that waits, with its setpoint if there is one."""
         assert self._sample is not None

@@ -134,6 +134,25 @@ def test_it_brings_the_plant_to_the_setpoint_in_every_mode(start: Start, watcher
     watcher.until(lambda: loop.run(rig, 20) is not None and rig.voltage == 160.0, "160 V")
 
 
+def test_a_voltage_that_was_not_taken_is_no_displacement(start: Start, watcher: Watcher) -> None:
+    """20 V that came after the last sample of the open loop is not 20 m in the next mode."""
+    loop = Loop(start, watcher, mode="open_loop", feedback_timeout=5.0)
+    rig = Rig(nominal_model(), 1e-3)
+    voltages = watcher.publisher(Float64, "voltage_setpoint")
+
+    def arrived() -> bool:
+        voltages.publish(Float64(data=20.0))
+        loop.run(rig, 20)
+        return rig.voltage == 20.0
+
+    watcher.until(arrived, "20 V")
+    voltages.publish(Float64(data=20.0))
+    time.sleep(0.1)  # it has come, and no sample takes it
+    assert loop.set("mode", "cascade") == ""
+    loop.run(rig, 30)
+    assert rig.voltage == 20.0
+
+
 def test_the_parameters_of_a_running_controller(
     start: Start, watcher: Watcher, tmp_path: Path
 ) -> None:

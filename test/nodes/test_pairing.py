@@ -53,3 +53,11 @@ def test_in_wall_time_a_late_setpoint_does_not_make_all_that_follow_late() -> No
     assert not pairing.sample(0.0, 0.0, now=0.001)
     assert pairing.setpoint(11.0)  # of sample 1, in time
     assert pairing.take().setpoint == 11.0
+
+
+def test_a_setpoint_that_was_forgotten_is_not_taken() -> None:
+    pairing = Pairing(0.0, lockstep=False)
+    pairing.setpoint(20.0)
+    pairing.forget_setpoint()
+    pairing.sample(1.0, 2.0, now=0.0)
+    assert pairing.take().setpoint is None
