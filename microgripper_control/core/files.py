@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TextIO
@@ -27,9 +27,15 @@ def make_folder(path: str | Path) -> Path:
     return path
 
 
-def check_place(path: str | Path) -> None:
-    """Make the folder of a file to be written; MicrogripperError if it cannot take that name."""
+def check_place(path: str | Path, given: Iterable[str | Path] = ()) -> None:
+    """Make the folder of a file to be written.
+
+    MicrogripperError if it cannot take that name, or if the file would replace one of the `given`
+    that it is made from.
+    """
     path = Path(path)
+    if any(path.resolve() == Path(one).resolve() for one in given):
+        raise MicrogripperError(f"{path}: would overwrite what is read; give another name")
     make_folder(path.parent)
     if path.is_dir():
         raise MicrogripperError(f"{path}: is a folder; give the name of a file")
@@ -49,7 +55,8 @@ def written_whole(path: str | Path) -> Iterator[TextIO]:
         raise MicrogripperError(f"{path}: cannot be written: {error.strerror}") from None
     temporary = Path(name)
     try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
+        # Names of files that are not UTF-8 come as lone surrogates.
+        with os.fdopen(handle, "w", encoding="utf-8", errors="backslashreplace") as file:
             yield file
             file.flush()
             os.fsync(file.fileno())

@@ -22,6 +22,7 @@ COARSEST_DIGIT = 0.35  # of the sample period: the last that stamps of a uniform
 CLEARLY_LATE = 0.1  # of the sample period
 MOST_REPEATED = 0.1  # of the stamps: beyond it they have too few digits
 MOST_MISSING = 3.0  # of the samples that are there: beyond it gaps cannot be filled
+SHORT, MANY = 0.05, 0.25  # of a usual step; of all steps: so many so short ones are bursts
 
 
 @dataclass(frozen=True)
@@ -134,9 +135,12 @@ def _positions(name: str, time: Array, notes: list[str]) -> tuple[float, Array]:
     period = clock.period if uniform else _typical(steps)
     known = clock.ticks if uniform else (time - time[0]) / period
     missing = int(known[-1] + 1e-6) + 1 - len(known)
+    too_few = missing > MOST_MISSING * len(known)
+    if too_few or not uniform:
+        _refuse_bursts(name, steps)
     longest = int(np.argmax(steps))
     gap = f"the longest gap is {steps[longest]:.6g} s after sample {longest}"
-    if missing > MOST_MISSING * len(known):
+    if too_few:
         raise MicrogripperError(
             f"{name}: of {len(known) + missing} samples at {period:.6g} s only {len(known)} are "
             f"there, {gap}; cut the recording there"
@@ -151,6 +155,17 @@ def _positions(name: str, time: Array, notes: list[str]) -> tuple[float, Array]:
     if uniform and missing:
         notes.append(f"missing samples: {missing}, {gap}; voltage held, displacement interpolated")
     return period, known
+
+
+def _refuse_bursts(name: str, steps: Array) -> None:
+    """Raise MicrogripperError where stamps nearly coincide so often that they show no clock."""
+    long = float(np.quantile(steps, 0.9))
+    short = int(np.count_nonzero(steps < SHORT * long))
+    if short > MANY * len(steps):
+        raise MicrogripperError(
+            f"{name}: the time stamps come in bursts: {short} of {len(steps)} steps are shorter "
+            f"than {SHORT * long:.2g} s, some take {long:.2g} s; stamp a sample when it is taken"
+        )
 
 
 @dataclass(frozen=True)
@@ -225,7 +240,7 @@ def _last_digit(time: Array) -> float:
 
 def _typical(steps: Array) -> float:
     """The mean of the steps without gaps among them."""
-    middle = np.median(steps)
+    middle = np.partition(steps, len(steps) // 2)[len(steps) // 2]  # one of them, not between two
     return float(np.mean(steps[np.abs(steps - middle) <= 0.5 * middle]))
 
 

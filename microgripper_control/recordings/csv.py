@@ -117,8 +117,8 @@ def _check_width(path: Path, header: list[str], delimiter: str) -> None:
     """Raise MicrogripperError if the first row has more cells than names: 5,002 is two of them."""
     with _opened(path) as file:
         reader = csv.reader(file, delimiter=delimiter)
-        next(reader)
         try:
+            next(reader)
             row = next((row for row in reader if any(cell.strip() for cell in row)), [])
         except csv.Error:
             return  # told where the row is read
@@ -182,8 +182,8 @@ def _read_row_by_row(path: Path, header: list[str], delimiter: str, columns: lis
     rows: list[list[float]] = []
     with _opened(path) as file:
         reader = csv.reader(file, delimiter=delimiter)
-        next(reader)
         try:
+            next(reader)
             for row in reader:
                 if any(cell.strip() for cell in row):
                     where = f"{path}: line {reader.line_num}"

@@ -22,9 +22,9 @@ def read_recording(
     in the recording's warnings; what cannot be is a MicrogripperError of one line.
     """
     path = Path(path)
-    if not path.exists():
-        raise MicrogripperError(f"{path}: does not exist; give a rosbag2 folder or a CSV file")
     try:
+        if not path.exists():
+            raise MicrogripperError(f"{path}: does not exist; give a rosbag2 folder or a CSV file")
         is_bag = path.is_dir() or _looks_like_a_bag(path)
     except OSError as error:
         raise MicrogripperError(f"{path}: cannot be read: {error.strerror}") from None

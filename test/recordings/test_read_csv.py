@@ -167,6 +167,11 @@ def test_what_is_no_text(tmp_path: Path, content: bytes) -> None:
     assert "is neither a rosbag2 nor a CSV in UTF-8" in complaint(path)
 
 
+def test_a_quote_that_the_header_leaves_open_does_no_harm(tmp_path: Path) -> None:
+    rows = [f"{1e-3 * k},{k},{k}" for k in range(20000)]  # more than the longest field of a CSV
+    assert len(read_recording(write(tmp_path, f'{HEADER},"open', *rows))) == len(rows)
+
+
 def test_a_file_that_is_not_there(tmp_path: Path) -> None:
     assert "does not exist" in complaint(tmp_path / "no.csv")
 

@@ -185,3 +185,12 @@ def test_too_few_samples_are_an_error(count: int) -> None:
 def test_a_clock_that_stands_still_is_an_error() -> None:
     with pytest.raises(MicrogripperError, match="repeat"):
         read(np.zeros(100))
+
+
+@pytest.mark.parametrize("count", [2000, 2001])
+@pytest.mark.parametrize("burst", [2, 3, 8])
+def test_samples_that_are_stamped_in_bursts_are_an_error(burst: int, count: int) -> None:
+    k = np.arange(count)
+    time = burst * PERIOD * (k // burst) + 1e-6 * (k % burst)
+    with pytest.raises(MicrogripperError, match="come in bursts: "):
+        read(time, when=PERIOD * k)

@@ -1,0 +1,35 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.files import check_place, written_whole
+
+
+def test_a_name_that_is_no_utf_8_does_not_spoil_the_file_that_names_it(tmp_path: Path) -> None:
+    path = tmp_path / "report.html"
+    with written_whole(path) as file:
+        file.write("mess\udce9.csv")
+    assert path.read_text(encoding="utf-8") == "mess\\udce9.csv"
+
+
+def test_a_file_that_is_left_unfinished_leaves_the_one_before(tmp_path: Path) -> None:
+    path = tmp_path / "report.html"
+    path.write_text("before", encoding="utf-8")
+
+    def interrupted() -> None:
+        with written_whole(path) as file:
+            file.write("after")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert [path.read_text(encoding="utf-8")] == ["before"]
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_result_does_not_replace_what_it_is_made_from(tmp_path: Path) -> None:
+    with pytest.raises(MicrogripperError, match="would overwrite what is read"):
+        check_place(tmp_path / "run.csv", [tmp_path / "other.csv", tmp_path / "." / "run.csv"])
