@@ -1,12 +1,11 @@
 """A recorded experiment: the control loop and the recorder; it ends when the setpoints end."""
 
-from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, RegisterEventHandler, Shutdown
+from launch import Action, LaunchContext, LaunchDescription
+from launch.actions import DeclareLaunchArgument, OpaqueFunction, RegisterEventHandler, Shutdown
 from launch.conditions import IfCondition
 from launch.event_handlers import OnProcessExit
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import Node
-from launch_ros.parameter_descriptions import ParameterValue
 from launch_ros.substitutions import FindPackageShare
 
 PACKAGE = "microgripper_control"
@@ -20,16 +19,6 @@ def enclave(node: str) -> list[str]:
 def generate_launch_description() -> LaunchDescription:
     """Start the loop; `out` is the folder of the bag."""
     config = PathJoinSubstitution([FindPackageShare(PACKAGE), "config"])
-    lockstep = {"lockstep": ParameterValue(LaunchConfiguration("lockstep"), value_type=bool)}
-    common = {
-        "package": PACKAGE,
-        "namespace": LaunchConfiguration("namespace"),
-        "output": "screen",
-    }
-    files = [LaunchConfiguration("params_file"), LaunchConfiguration("experiment_file")]
-    reference = Node(
-        executable="reference", ros_arguments=enclave("reference"), parameters=files, **common
-    )
     return LaunchDescription(
         [
             DeclareLaunchArgument("namespace", default_value="microgripper"),
@@ -41,27 +30,49 @@ def generate_launch_description() -> LaunchDescription:
             ),
             DeclareLaunchArgument("out", description="folder of the bag, a new one"),
             DeclareLaunchArgument("simulate", default_value="true"),
-            DeclareLaunchArgument("lockstep", default_value="false"),
-            Node(
-                executable="recorder",
-                ros_arguments=enclave("recorder"),
-                parameters=[*files, {"out": LaunchConfiguration("out")}],
-                **common,
+            DeclareLaunchArgument(
+                "lockstep",
+                default_value="",
+                description="if given, in place of what the files of parameters say",
             ),
-            Node(
-                executable="plant_simulator",
-                ros_arguments=enclave("plant_simulator"),
-                parameters=[*files, lockstep],
-                condition=IfCondition(LaunchConfiguration("simulate")),
-                **common,
-            ),
-            Node(
-                executable="controller",
-                ros_arguments=enclave("controller"),
-                parameters=[*files, lockstep],
-                **common,
-            ),
-            reference,
-            RegisterEventHandler(OnProcessExit(target_action=reference, on_exit=[Shutdown()])),
+            OpaqueFunction(function=nodes),
         ]
     )
+
+
+def nodes(context: LaunchContext) -> list[Action]:
+    """The nodes: an argument that was given counts more than the files of parameters."""
+    in_step = LaunchConfiguration("lockstep").perform(context)
+    lockstep = [{"lockstep": in_step.lower() == "true"}] if in_step else []
+    common = {
+        "package": PACKAGE,
+        "namespace": LaunchConfiguration("namespace"),
+        "output": "screen",
+    }
+    files = [LaunchConfiguration("params_file"), LaunchConfiguration("experiment_file")]
+    reference = Node(
+        executable="reference", ros_arguments=enclave("reference"), parameters=files, **common
+    )
+    return [
+        Node(
+            executable="recorder",
+            ros_arguments=enclave("recorder"),
+            parameters=[*files, {"out": LaunchConfiguration("out")}],
+            **common,
+        ),
+        Node(
+            executable="plant_simulator",
+            ros_arguments=enclave("plant_simulator"),
+            parameters=[*files, *lockstep],
+            condition=IfCondition(LaunchConfiguration("simulate")),
+            **common,
+        ),
+        Node(
+            executable="controller",
+            ros_arguments=enclave("controller"),
+            parameters=[*files, *lockstep],
+            **common,
+        ),
+        reference,
+        RegisterEventHandler(OnProcessExit(target_action=reference, on_exit=[Shutdown()])),
+    ]

@@ -116,9 +116,11 @@ def test_launch_files_start_what_there_is_with_parameters_that_there_are(
     functions = [node.name for node in tree.body if isinstance(node, ast.FunctionDef)]
     assert "generate_launch_description" in functions
     dictionaries = {
-        target.id: node.value
+        target.id: part
         for node in ast.walk(tree)
-        if isinstance(node, ast.Assign) and isinstance(node.value, ast.Dict)
+        if isinstance(node, ast.Assign)
+        for part in ast.walk(node.value)
+        if isinstance(part, ast.Dict)
         for target in node.targets
         if isinstance(target, ast.Name)
     }
