@@ -15,17 +15,18 @@ from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeEl
 from microgripper_control.cli.options import (
     HoldOption,
     InitialOption,
+    JobsOption,
     JsonOption,
     MapOption,
     ModelOption,
     read_all,
     read_model,
-    refuse_twice,
 )
 from microgripper_control.cli.tables import print_table
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.files import make_folder
 from microgripper_control.core.quantities import quantity
+from microgripper_control.core.recording import refuse_twice
 from microgripper_control.diagnosis.answers.places import where
 from microgripper_control.diagnosis.diagnose import diagnose as find_causes
 from microgripper_control.diagnosis.findings import Candidate, Diagnosis
@@ -70,7 +71,7 @@ def diagnose(
         list[str] | None,
         typer.Option(metavar="EFFECT", help="Leave an effect out of the library. May be repeated."),
     ] = None,
-    jobs: Annotated[int, typer.Option(help="Candidates tried at once; -1: one a core.")] = -1,
+    jobs: JobsOption = -1,
     scheduler: Annotated[
         str | None,
         typer.Option(metavar="tcp://HOST:PORT", help="A Dask scheduler to send the work to."),
@@ -134,17 +135,19 @@ def _row(candidate: Candidate) -> tuple[str, ...]:
 def spread_heldout(arguments: Sequence[str]) -> list[str]:
     """`--heldout A B` as `--heldout A --heldout B`, which is what the parser understands."""
     spread: list[str] = []
-    within = False
+    within = wanting = missing = False  # wanting: `--heldout` has no value yet
     for argument in arguments:
         name, given, value = argument.partition("=")
-        if name == HELDOUT:
-            within = True
-            spread += [HELDOUT, value] if given else []
-            continue
         if argument.startswith("-"):
-            within = False
-        spread += [HELDOUT, argument] if within else [argument]
-    if arguments and arguments[-1] == HELDOUT:
+            missing |= wanting
+            within = name == HELDOUT
+            wanting = within and not given
+            if not wanting:
+                spread += [HELDOUT, value] if within else [argument]
+        else:
+            wanting = False
+            spread += [HELDOUT, argument] if within else [argument]
+    if missing or wanting:
         spread.append(HELDOUT)  # the parser says that a value is missing
     return spread
 

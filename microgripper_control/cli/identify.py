@@ -16,12 +16,12 @@ from microgripper_control.cli.options import (
     JsonOption,
     MapOption,
     ModelOption,
-    check_out,
     read_all,
     read_model,
-    refuse_twice,
 )
 from microgripper_control.cli.tables import print_table
+from microgripper_control.core.files import check_place
+from microgripper_control.core.recording import refuse_twice
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.fit import Fit, fit
 from microgripper_control.identification.nuisance import Conditions
@@ -44,7 +44,7 @@ def identify(
 ) -> None:
     """Fit a model's parameters to recordings; writes them with 95 % intervals."""
     nominal = read_model(model)
-    check_out(out, recordings)
+    check_place(out, recordings)
     given = read_all(recordings, nominal, maps)
     refuse_twice(given)
     with Console(stderr=True).status("reading") as status:
@@ -53,7 +53,7 @@ def identify(
         )
     save_model(found.model, out)
     if json_:
-        typer.echo(json.dumps(as_json(found) | {"fitted": str(out)}))
+        typer.echo(json.dumps(as_json(found) | {"fitted": str(out)}, allow_nan=False))
         return
     console = Console(highlight=False, soft_wrap=True)
     header = ("parameter", "value", "95 % interval", "unit")
@@ -117,7 +117,7 @@ def as_json(found: Fit) -> dict[str, Any]:
 
 
 def _plain(setting: Setting, unit: str) -> dict[str, Any]:
-    low, high = setting.interval or (None, None)
+    low, high = setting.ends
     return {"value": setting.value, "unit": unit, "low": low, "high": high}
 
 

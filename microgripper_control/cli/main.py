@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import io
 import sys
 from typing import Any
 
@@ -34,10 +36,16 @@ UsageError: Any = typer.BadParameter.__base__  # typer exports it not, and may b
 
 def main() -> None:
     """Run the command line: exit status 0 on success, 2 on bad input with one line on stderr."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # names of files need not be UTF-8
     try:
         sys.exit(app(spread_heldout(sys.argv[1:]), standalone_mode=False))
     except MicrogripperError as error:
         problem = str(error)
+    except OSError as error:
+        if error.errno != errno.ENAMETOOLONG:
+            raise
+        problem = f"{error.filename!s:.60}...: is too long a name for a file"
     except UsageError as error:
         problem = one_line(error.format_message())
         if not problem:  # no arguments at all: the help has been shown instead

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 import typer
 
-from microgripper_control.core.errors import MicrogripperError, one_line
-from microgripper_control.core.files import check_place
+from microgripper_control.core.errors import one_line
 from microgripper_control.core.recording import Recording
 from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model
@@ -37,7 +34,16 @@ HoldOption = Annotated[
 InitialOption = Annotated[
     Initial, typer.Option("--initial", help="The state the recording starts in.")
 ]
+JobsOption = Annotated[
+    int, typer.Option(callback=lambda jobs: _some(jobs), help="How many at once; -1: one a core.")
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
+
+
+def _some(jobs: int) -> int:
+    if jobs == 0:
+        raise typer.BadParameter("0 at once never end; -1 is one a core")
+    return jobs
 
 
 def read_model(path: Path) -> Model:
@@ -61,22 +67,3 @@ def read_all(
             typer.echo(f"warning: {one_line(f'{recording.name}: {warning}')}", err=True)
         recordings.append(recording)
     return recordings
-
-
-def check_out(out: Path, given: Sequence[Path]) -> None:
-    """Raise MicrogripperError where no result can go, or would replace what it is made from."""
-    if any(out.resolve() == path.resolve() for path in given):
-        raise MicrogripperError(f"--out {out}: would overwrite what is read; give another name")
-    check_place(out)
-
-
-def refuse_twice(recordings: Sequence[Recording]) -> None:
-    """Raise MicrogripperError where two recordings are one: it would count twice."""
-    for i, one in enumerate(recordings):
-        for other in recordings[:i]:
-            if np.array_equal(one.voltage, other.voltage) and np.array_equal(
-                one.measured, other.measured
-            ):
-                raise MicrogripperError(
-                    f"{one.name}: has the same samples as {other.name}; give it once"
-                )

@@ -16,11 +16,10 @@ from microgripper_control.cli.options import (
     JsonOption,
     MapOption,
     ModelOption,
-    check_out,
     read_all,
     read_model,
 )
-from microgripper_control.core.files import written_whole
+from microgripper_control.core.files import check_place, written_whole
 from microgripper_control.identification.nuisance import (
     Conditions,
     Nuisance,
@@ -57,7 +56,7 @@ def simulate(
 ) -> None:
     """Predict a recording's displacement with a model; one row per sample."""
     rig = read_model(model)
-    check_out(out, [recording, model])
+    check_place(out, [recording, model])
     given = read_all([recording], rig, maps, needs_displacement=False)[0]
     conditions = Conditions(hold, initial)
     counted = np.ones(len(given), bool)

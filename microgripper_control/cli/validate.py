@@ -12,7 +12,7 @@ import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from microgripper_control.cli.options import JsonOption
+from microgripper_control.cli.options import JobsOption, JsonOption
 from microgripper_control.cli.stopping import sigterm_as_interrupt
 from microgripper_control.cli.tables import print_table
 from microgripper_control.core.files import make_folder
@@ -48,7 +48,7 @@ def validate(
             help="Only N of these cases; they are shuffled, so any N are fair. More may follow.",
         ),
     ] = None,
-    jobs: Annotated[int, typer.Option(help="Cases at once; -1: one a core.")] = -1,
+    jobs: JobsOption = -1,
     scheduler: Annotated[
         str | None,
         typer.Option(

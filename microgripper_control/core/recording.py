@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -118,3 +119,15 @@ class Recording:
     def duration(self) -> float:
         """From the first sample to the last, s."""
         return self.sample_period * (len(self) - 1)
+
+
+def refuse_twice(recordings: Sequence[Recording]) -> None:
+    """Raise MicrogripperError where two recordings are one: it would count twice."""
+    for i, one in enumerate(recordings):
+        for other in recordings[:i]:
+            if np.array_equal(one.voltage, other.voltage) and np.array_equal(
+                one.measured, other.measured
+            ):
+                raise MicrogripperError(
+                    f"{one.name}: has the same samples as {other.name}; give it once"
+                )

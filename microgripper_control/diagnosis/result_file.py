@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -69,20 +68,10 @@ def _candidate(candidate: Candidate) -> dict[str, Any]:
 def _parameters(effect: str, settings: Mapping[str, Setting]) -> dict[str, Any]:
     plain = {}
     for name, setting in settings.items():
-        low, high = setting.interval or (None, None)
+        low, high = setting.ends
         unit = registry()[effect].parameter(name).unit
-        plain[name] = {
-            "value": setting.value,
-            "unit": unit,
-            "low": _bound(low),
-            "high": _bound(high),
-        }
+        plain[name] = {"value": setting.value, "unit": unit, "low": low, "high": high}
     return plain
-
-
-def _bound(value: float | None) -> float | None:
-    """JSON knows no infinity: what the data leave open is null."""
-    return value if value is not None and math.isfinite(value) else None
 
 
 def _gap(gap: Gap) -> dict[str, Any]:

@@ -13,7 +13,9 @@ from rclpy.parameter_client import AsyncParameterClient
 from rclpy.task import Future
 
 from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.files import check_place
 from microgripper_control.core.parameters import Parameter
+from microgripper_control.core.recording import refuse_twice
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.fit import Fit, fit
 from microgripper_control.identification.nuisance import Conditions
@@ -72,18 +74,19 @@ class Identifier(Shell):
 
     def begin(self) -> None:
         """Identify and write."""
-        recordings = [read_recording(path) for path in self._recordings]
         log = self.get_logger()
+        check_place(self._out, self._recordings)
+        model = load_model(model_path(self._model))
+        for warning in model.warnings:
+            log.warning(warning)
+        recordings = [read_recording(path) for path in self._recordings]
+        refuse_twice(recordings)
         for recording in recordings:
-            for warning in recording.warnings:
-                log.warning(f"{recording.name}: {warning}")
+            for warning in (*recording.warnings, model.beyond(recording.voltage)):
+                if warning:
+                    log.warning(f"{recording.name}: {warning}")
         conditions = Conditions(Hold(self._hold), Initial(self._initial))
-        found = fit(
-            load_model(model_path(self._model)),
-            recordings,
-            conditions,
-            lambda stage: log.info(f"identifying: {stage}"),
-        )
+        found = fit(model, recordings, conditions, lambda stage: log.info(f"identifying: {stage}"))
         save_model(found.model, self._out)
         for line in summary(found):
             log.info(line)

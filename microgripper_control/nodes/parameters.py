@@ -46,11 +46,9 @@ def declare_number(node: Node, parameter: Parameter, *, read_only: bool = False)
     return value
 
 
-def declare_numbers(
-    node: Node, parameters: Iterable[Parameter], *, read_only: bool = False
-) -> dict[str, float]:
+def declare_numbers(node: Node, parameters: Iterable[Parameter]) -> dict[str, float]:
     """Declare several floating-point parameters; their values by name."""
-    return {p.name: declare_number(node, p, read_only=read_only) for p in parameters}
+    return {parameter.name: declare_number(node, parameter) for parameter in parameters}
 
 
 def declare_text(
@@ -76,14 +74,10 @@ def declare_flag(
     return bool(_declare(node, name, default, description, read_only=read_only))
 
 
-def declare_texts(
-    node: Node, name: str, default: Sequence[str], description: str, *, read_only: bool = True
-) -> list[str]:
-    """Declare a list of texts."""
+def declare_texts(node: Node, name: str, default: Sequence[str], description: str) -> list[str]:
+    """Declare a list of texts; it cannot be changed while the node runs."""
     # Without a type: rclpy cannot tell of which type an empty list is.
-    given = _declare(
-        node, name, list(default), description, dynamic_typing=True, read_only=read_only
-    )
+    given = _declare(node, name, list(default), description, dynamic_typing=True, read_only=True)
     if given is None:  # what rclpy makes of an empty list in YAML
         return []
     if isinstance(given, (str, bytes)) or not isinstance(given, Sequence):
@@ -145,12 +139,18 @@ def follow_changes(
 
 
 def model_path(name: str) -> Path:
-    """The file that a `model_file` parameter means; a path that exists comes first."""
-    path = Path(name).expanduser()
-    if path.is_absolute() or path.exists():
-        return path
-    packaged = share_folder() / "config" / path
-    return packaged if packaged.is_file() else path
+    """The file that a `model_file` parameter means; a path that exists comes first.
+
+    MicrogripperError where no file can have that name.
+    """
+    try:
+        path = Path(name).expanduser()
+        if path.exists() or path.is_absolute():
+            return path
+        packaged = share_folder() / "config" / path
+        return packaged if packaged.is_file() else path
+    except (OSError, RuntimeError) as error:  # too long a name; no such user's home
+        raise MicrogripperError(f"model_file: {name!r:.60}: {error!s:.120}") from None
 
 
 def _declare(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
@@ -23,6 +24,12 @@ class Setting:
     value: float
     interval: tuple[float, float] | None = None
     frozen: bool = False  # a fit leaves it alone
+
+    @property
+    def ends(self) -> tuple[float | None, float | None]:
+        """The bounds, None where the data leave one open: JSON knows no infinity."""
+        low, high = self.interval or (-math.inf, math.inf)
+        return low if math.isfinite(low) else None, high if math.isfinite(high) else None
 
 
 @dataclass(frozen=True)

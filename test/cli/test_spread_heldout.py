@@ -14,6 +14,8 @@ from microgripper_control.cli.diagnose import spread_heldout
         ("a --heldout=b c", "a --heldout b --heldout c"),
         ("--heldout b c --out d e", "--heldout b --heldout c --out d e"),
         ("a --heldout", "a --heldout"),
+        ("a --heldout --model m", "a --model m --heldout"),  # the parser asks for its value
+        ("--heldout --heldout b", "--heldout b --heldout"),
         ("a b --out c", "a b --out c"),
     ],
 )

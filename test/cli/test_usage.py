@@ -16,6 +16,7 @@ import pytest
         (("identfy",), "identfy"),
         (("simulate", "--hold", "second", "x.csv"), "second"),
         (("validate", "--seed", "-1", "--out", "x"), "--seed"),
+        (("validate", "--jobs", "0", "--out", "x"), "-1 is one a core"),
     ],
 )
 def test_bad_usage_is_one_line(
@@ -37,3 +38,15 @@ def test_help_is_no_error(microgripper: Callable[..., Any]) -> None:
     ran = microgripper("identify", "--help")
     assert (ran.status, ran.err) == (0, "")
     assert "--model" in ran.out
+
+
+def test_a_name_that_no_file_can_have_is_one_line(microgripper: Callable[..., Any]) -> None:
+    ran = microgripper("identify", "r.csv", "--model", "m" * 300, "--out", "y")
+    assert (ran.status, ran.out, ran.err.count("\n")) == (2, "", 1)
+    assert "too long" in ran.err
+
+
+def test_an_option_without_its_value_is_one_line(microgripper: Callable[..., Any]) -> None:
+    ran = microgripper("diagnose", "x.csv", "--heldout", "--model", "m", "--out", "y")
+    assert (ran.status, ran.out, ran.err.count("\n")) == (2, "", 1)
+    assert "--heldout" in ran.err

@@ -114,3 +114,9 @@ def test_a_model_file_may_be_one_of_the_package(
     own.touch()
     assert model_path("apa120s.yaml").resolve() == own
     assert str(model_path("unknown.yaml")) == "unknown.yaml"
+
+
+@pytest.mark.parametrize("name", ["m" * 300, "~nobody_of_that_name/model.yaml"])
+def test_a_name_that_no_file_can_have_is_refused(name: str) -> None:
+    with pytest.raises(MicrogripperError, match="model_file: "):
+        model_path(name)

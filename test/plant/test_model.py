@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import pickle
 from dataclasses import FrozenInstanceError, replace
 
@@ -117,3 +118,8 @@ def test_what_is_unknown_or_missing_is_named(model: Model) -> None:
             replace(model, settings={**model.settings, "creep": settings})
     with pytest.raises(MicrogripperError, match=r"voltage: low 5 must be below high 5"):
         replace(model, voltage_range=(5.0, 5.0))
+
+
+def test_bounds_that_the_data_leave_open_are_none() -> None:
+    assert Setting(1.0).ends == (None, None)
+    assert Setting(1.0, (-math.inf, 2.0)).ends == (None, 2.0)
