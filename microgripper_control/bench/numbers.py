@@ -14,7 +14,7 @@ def seconds(value: float) -> str:
 
 
 def plain(value: float) -> str:
-    """Three digits, never as a power of ten."""
+    """Three digits, without a power of ten from 1e-4 on."""
     if abs(value) >= 100.0:
         return f"{value:,.0f}".replace(",", " ")
     return f"{value:.3g}"

@@ -66,7 +66,6 @@ class Score:
     """Everything that is reported; `cases` in the order of the plan."""
 
     cases: tuple[Marked, ...]
-    unmade: tuple[Record, ...]
     top: Mapping[str, Share]  # by strength
     first: Mapping[str, Share]  # the same, groups aside
     forms: Mapping[str, Share]
@@ -114,7 +113,6 @@ def scored(cases: Sequence[Marked], unmade: Sequence[Record] = ()) -> Score:
     times = [case.record.seconds["diagnosing"] for case in cases]
     return Score(
         cases=tuple(cases),
-        unmade=tuple(unmade),
         top={name: _right(own) for name, own in strength.items()},
         first={name: Share.among(c.first for c in own) for name, own in strength.items()},
         forms={name: _right([c for c in seen if c.sealed.form == name]) for name in FORMS},

@@ -27,7 +27,6 @@ class StiffnessResult:
 
     force: Array
     displacement: Array
-    planted: float  # N/m
     fit: Stiffness
 
     def rows(self) -> list[Row]:
@@ -46,20 +45,9 @@ class StiffnessResult:
         ]
 
 
-def elastic_stand_in(
-    stiffness: float = STIFFNESS,
-    largest_force: float = LARGEST_FORCE,
-    points: int = POINTS,
-    scatter: float = SCATTER,
-    seed: int = SEED,
-) -> tuple[Array, Array]:
-    """Forces, N, and displacements x = F/k, m, with normal scatter; repeatable by its seed."""
-    force = np.linspace(0.0, largest_force, points)
-    noise = np.random.default_rng(seed).standard_normal(points)
-    return force, (force + scatter * largest_force * noise) / stiffness
-
-
 def reproduce_stiffness() -> StiffnessResult:
     """Make the stand-in's data and fit them."""
-    force, displacement = elastic_stand_in()
-    return StiffnessResult(force, displacement, STIFFNESS, fit_stiffness(force, displacement))
+    force = np.linspace(0.0, LARGEST_FORCE, POINTS)
+    scatter = SCATTER * LARGEST_FORCE * np.random.default_rng(SEED).standard_normal(POINTS)
+    displacement = (force + scatter) / STIFFNESS
+    return StiffnessResult(force, displacement, fit_stiffness(force, displacement))

@@ -82,13 +82,6 @@ def test_blocks_of_one_recording_serve_for_both() -> None:
     assert explainable([fitted], [judged], NOISE) > 0.8
 
 
-def test_a_slow_course_can_be_allowed_for() -> None:
-    voltage = multisine(30000)
-    drift = 3e-7 * np.sin(2.0 * np.pi * 0.05 * PERIOD * np.arange(len(voltage)) + 1.0)
-    fitted, judged = planted(voltage, drift, 1, odd=True), planted(voltage, drift, 2)
-    assert explainable([fitted], [judged], NOISE, course=True) > 0.7
-
-
 def test_it_is_quick() -> None:
     voltage = course(44000)
     fitted = left_by("creep", voltage, 1, odd=True, strength=0.02)

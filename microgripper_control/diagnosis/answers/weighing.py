@@ -59,7 +59,7 @@ AGREES = {
     "amplifier_lag": 1.4,
     "thermal_drift": 1.3,
     "transport_delay": 1.3,
-    "sensor_lag": 1.3,  # three lags show alike: the sign must not decide between them
+    "sensor_lag": 1.3,  # three lags show alike: the sign must hardly decide between them
     "contact": 1.1,
     "saturation": 0.8,
     "backlash": 0.7,

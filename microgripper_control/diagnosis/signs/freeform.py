@@ -27,23 +27,17 @@ FADES = 3  # times in which what began before a recording fades
 REAL = 0.05  # of the noise's power: a smaller gap could be an error of the noise itself
 DAMPING = 2e-3  # of the mean square of the roughest course, in proportion to roughness
 MARGIN = 0.005  # of a recording: how near to a judging sample nothing is learnt from
-SLOW = 0.2  # Hz: the fastest part of a slow course
 
 
-def explainable(
-    fitted: Sequence[Residual],
-    judged: Sequence[Residual],
-    noise: float,
-    course: bool = False,
-) -> float:
+def explainable(fitted: Sequence[Residual], judged: Sequence[Residual], noise: float) -> float:
     """Share of the removable error that a free-form model closes on the judged samples, 0 .. 1.
 
     `fitted` and `judged` may be the same recordings with masks that have no sample in common;
     `noise` is the noise floor, m. With e(r) = sqrt(max(r^2 - noise^2, 0)), the answer is
     1 - e(after) / e(before). Of recordings that only judge, the samples that do not count are
     learnt from, too: the question is what the input determines, not what carries over from a
-    staircase to a sweep. They also give each judged recording's own zero, what fades from before it
-    and, with `course`, a slow course of time, which no input explains.
+    staircase to a sweep. They also give each judged recording's own zero and what fades from before
+    it, which no input explains.
     """
     before = gap_power(judged, noise)
     if before <= REAL * noise**2 or not fitted:
@@ -52,18 +46,18 @@ def explainable(
     others = [residual for residual in judged if id(residual.recording) not in known]
     learnt = [*fitted, *(replace(residual, counted=_between(residual)) for residual in others)]
     frame = Frame.around(learnt)
-    weights = _fit(learnt, frame, course)
+    weights = _fit(learnt, frame)
     left = []
     for residual in judged:
         rest = residual.error.copy()
         if weights is not None:
             rest = rest - np.hstack(features(residual, frame)) @ weights
-        left.append(_without_own(residual, rest, frame, course)[residual.counted])
+        left.append(_without_own(residual, rest, frame)[residual.counted])
     after = float(np.mean(np.concatenate(left) ** 2)) - noise**2
     return float(np.clip(1.0 - np.sqrt(max(after, 0.0) / before), 0.0, 1.0))
 
 
-def _fit(fitted: Sequence[Residual], frame: Frame, course: bool) -> Array | None:
+def _fit(fitted: Sequence[Residual], frame: Frame) -> Array | None:
     """Weights of all features; None where none helps.
 
     Groups of features are added one by one, each with its ridge, as long as what they leave on
@@ -75,7 +69,7 @@ def _fit(fitted: Sequence[Residual], frame: Frame, course: bool) -> Array | None
     for residual in fitted:
         chosen = np.flatnonzero(residual.counted)[::stride]
         groups = features(residual, frame)
-        own = np.linalg.qr(_own(residual, frame, course)[chosen])[0]
+        own = np.linalg.qr(_own(residual, frame)[chosen])[0]
         matrix = np.hstack([group[chosen] for group in groups])
         rows.append(matrix - own @ (own.T @ matrix))
         targets.append(residual.error[chosen] - own @ (own.T @ residual.error[chosen]))
@@ -159,25 +153,20 @@ def _between(residual: Residual) -> Mask:
     return between
 
 
-def _own(residual: Residual, frame: Frame, course: bool) -> Array:
-    """What a recording has for itself, shape (n, p): its zero, what began before it, its course."""
+def _own(residual: Residual, frame: Frame) -> Array:
+    """What a recording has for itself, shape (n, p): its zero and what began before it."""
     time = residual.period * np.arange(len(residual.error))
     fades = np.geomspace(0.01, LONGEST_WINDOW, FADES) * frame.longest
-    columns = [np.ones(len(time)), *(np.exp(-time / fade) for fade in fades)]
-    if course:
-        terms = max(2, round(2.0 * SLOW * residual.recording.duration))
-        place = (np.arange(len(time)) + 0.5) * np.pi / len(time)
-        columns += [np.cos(term * place) for term in range(1, terms + 1)]
-    return np.stack(columns, axis=1)
+    return np.stack([np.ones(len(time)), *(np.exp(-time / fade) for fade in fades)], axis=1)
 
 
-def _without_own(residual: Residual, rest: Array, frame: Frame, course: bool) -> Array:
+def _without_own(residual: Residual, rest: Array, frame: Frame) -> Array:
     """Without what the recording has for itself, fitted on what does not judge."""
-    matrix = _own(residual, frame, course)
+    matrix = _own(residual, frame)
     rows: Mask = ~residual.counted & residual.recording.explained
     if np.count_nonzero(rows) < 10 * matrix.shape[1]:
         return rest
-    # Between the samples it is fitted on, a course must not swing further than it has to.
+    # Between the samples it is fitted on, what fades must not swing further than it has to.
     own = matrix[rows]
     rough = np.mean(np.gradient(matrix, axis=0) ** 2, axis=0)
     damping = DAMPING * np.count_nonzero(rows) * np.diag(rough / np.max(rough))
