@@ -175,7 +175,7 @@ class Projection:
         return cls(basis)
 
     def __call__(self, signal: Array) -> Array:
-        """What is left of a signal of shape (n,)."""
+        """What is left of a signal of shape (n,), or of several, shape (n, p)."""
         left: Array = signal - self.basis @ (self.basis.T @ signal)
         return left
 

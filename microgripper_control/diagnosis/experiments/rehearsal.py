@@ -21,9 +21,11 @@ from microgripper_control.diagnosis.fits.trial import fitted_keys
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.nuisance import (
     Conditions,
+    Projection,
     courses,
     fit_nuisance,
     largest_hysteresis,
+    own_courses,
 )
 from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Key, Model
@@ -83,15 +85,9 @@ def _course(model: Model, recording: Recording, conditions: Conditions) -> Array
     """What links that predictions leave out did on the recording, m, shape (n,)."""
     if not any(registry()[name].random for name in model.effects):
         return np.zeros(len(recording))
-    weights = np.array(fit_nuisance(model, recording, conditions).weights)
-    time = np.asarray(recording.sample_period * np.arange(len(recording)), dtype=np.float64)
-    first, total = len(courses(model, recording)), np.zeros(len(recording))
-    for name in reversed(list(model.settings)):
-        shapes = registry()[name].courses(model.values(name), time)
-        first -= len(shapes)
-        if registry()[name].random:
-            total += weights[first : first + len(shapes)] @ shapes
-    return total
+    found = own_courses(model, recording, fit_nuisance(model, recording, conditions))
+    parts = [weights @ rows for name, (weights, rows) in found.items() if registry()[name].random]
+    return np.asarray(sum(parts, np.zeros(len(recording))))
 
 
 @dataclass(frozen=True)
@@ -136,7 +132,7 @@ class Rehearsal:
     def _left(self, true: int, wrong: int, common: Array, span: Array) -> Apart:
         course = self.rivals[true].own_course(len(self.voltage))
         difference = (self.said[true] + course - self.said[wrong])[self._first :]
-        left = _off(span, _off(common, difference))
+        left = Projection(span)(Projection(common)(difference))
         at = int(np.argmax(np.abs(left)))
         rms = float(np.sqrt(np.mean(left**2)))
         return Apart(true, rms, float(abs(left[at])), (self._first + at) * self.sample_period)
@@ -203,13 +199,8 @@ def _orthonormal(columns: Sequence[Array], without: Array | None = None) -> Arra
     scaled = [c / size for c, size in zip(columns, sizes, strict=True) if 0.0 < size < np.inf]
     block = np.reshape(scaled, (len(scaled), -1)).T if scaled else np.zeros((len(columns[0]), 0))
     if without is not None:
-        block = _off(without, block)
+        block = Projection(without)(block)
     basis, size = np.linalg.qr(block)
     kept = np.abs(np.diag(size)) > 1e-9
     orthonormal: Array = basis[:, kept]
     return orthonormal
-
-
-def _off(basis: Array, signal: Array) -> Array:
-    left: Array = signal - basis @ (basis.T @ signal)
-    return left
