@@ -6,19 +6,23 @@ and reads it itself: both have to see the same file system.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from concurrent.futures import Future
 from pathlib import Path
+from threading import Thread
 
 from rclpy.parameter import Parameter as RosParameter
 from rclpy.parameter_client import AsyncParameterClient
-from rclpy.task import Future
+from rclpy.task import Future as Answer
 
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.files import check_place
 from microgripper_control.core.parameters import Parameter
-from microgripper_control.core.recording import refuse_twice
+from microgripper_control.core.recording import Recording, refuse_twice
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.fit import Fit, fit
 from microgripper_control.identification.nuisance import Conditions
+from microgripper_control.nodes.health import Health
 from microgripper_control.nodes.parameters import (
     MODEL_FILE,
     MODEL_FILE_TEXT,
@@ -29,6 +33,7 @@ from microgripper_control.nodes.parameters import (
 )
 from microgripper_control.nodes.shell import POLL, Shell, run
 from microgripper_control.plant.hold import Hold
+from microgripper_control.plant.model import Model
 from microgripper_control.plant.model_file import load_model, save_model
 from microgripper_control.plant.simulate import Initial
 from microgripper_control.recordings.read import read_recording
@@ -66,14 +71,17 @@ class Identifier(Shell):
             self, "controller", "", "name of the node to hand the result to", read_only=True
         )
         self._timeout = declare_number(self, TIMEOUT, read_only=True)
+        self._fit: Future[Fit] = Future()
+        self._stage = "reading"
+        self._written = False
         self._client: AsyncParameterClient | None = None
-        self._answer: Future | None = None
+        self._answer: Answer | None = None
         self._deadline = 0.0
         if not self._recordings:
             raise MicrogripperError("recordings is empty; name bags, -p recordings:=[PATH]")
 
     def begin(self) -> None:
-        """Identify and write."""
+        """Read, and begin to identify."""
         log = self.get_logger()
         check_place(self._out, self._recordings)
         model = load_model(model_path(self._model))
@@ -85,21 +93,30 @@ class Identifier(Shell):
             for warning in (*recording.warnings, model.beyond(recording.voltage)):
                 if warning:
                     log.warning(f"{recording.name}: {warning}")
+        Thread(target=self._identify, args=(model, recordings), daemon=True).start()
+
+    def _identify(self, model: Model, recordings: Sequence[Recording]) -> None:
+        """In a thread, so that a signal ends the node meanwhile, and its health is reported."""
         conditions = Conditions(Hold(self._hold), Initial(self._initial))
-        found = fit(model, recordings, conditions, lambda stage: log.info(f"identifying: {stage}"))
-        save_model(found.model, self._out)
-        for line in summary(found):
-            log.info(line)
-        log.info(f"written: {self._out}")
-        if not self._controller:
-            self.finish("done")
+        try:
+            self._fit.set_result(fit(model, recordings, conditions, self._at))
+        except Exception as error:  # raised where the result is asked for
+            self._fit.set_exception(error)
+
+    def _at(self, stage: str) -> None:
+        self._stage = f"identifying: {stage}"
+        self.get_logger().info(self._stage)
 
     def work(self, now: float) -> float:
-        """As `Shell` says: hand the result over."""
-        if self._client is None:
+        """As `Shell` says: write the result, and hand it over."""
+        if not self._fit.done():
+            return POLL
+        if not self._written:
+            self._write(self._fit.result())
+        elif self._client is None:
             self._client = AsyncParameterClient(self, self._controller)
             self._deadline = now + self._timeout
-        if self._answer is None and self._client.services_are_ready():
+        elif self._answer is None and self._client.services_are_ready():
             file = RosParameter("model_file", RosParameter.Type.STRING, str(self._out.resolve()))
             self._answer = self._client.set_parameters_atomically([file])
         elif self._answer is not None and self._answer.done():
@@ -108,7 +125,20 @@ class Identifier(Shell):
             self.fail(f"{self._controller} did not answer within {self._timeout:g} s")
         return POLL
 
-    def _conclude(self, answer: Future) -> None:
+    def _write(self, found: Fit) -> None:
+        save_model(found.model, self._out)
+        self._written = True
+        for line in (*summary(found), f"written: {self._out}"):
+            self.get_logger().info(line)
+        self._stage = f"handing the result to {self._controller}"
+        if not self._controller:
+            self.finish("done")
+
+    def health(self, elapsed: float) -> Health:
+        """As `Shell` says."""
+        return Health(self._stage)
+
+    def _conclude(self, answer: Answer) -> None:
         result = answer.result().result
         if result.successful:
             self.finish(f"{self._controller} works with {self._out} now")

@@ -59,3 +59,17 @@ def test_a_controller_that_is_not_there_is_an_error(start: Start, tmp_path: Path
     )
     assert identifier.ended() == 1
     assert "controller did not answer within 0.5 s" in identifier.log
+
+
+def test_a_signal_ends_it_while_it_identifies(start: Start, tmp_path: Path) -> None:
+    rng = np.random.default_rng(4)
+    voltage = np.cumsum(rng.normal(0.0, 0.3, 400_000))
+    voltage = 75.0 + 70.0 * np.sin(voltage / 40.0)
+    displacement = simulate(nominal_model().with_values(TRUTH), voltage, 1e-3)
+    displacement += rng.normal(0.0, 1e-8, len(voltage))
+    write_bag(tmp_path / "bag", Recording("made", 1e-3, voltage, displacement))
+    identifier = start("identifier", recordings=["bag"], out="found.yaml")
+    identifier.until_it_says("identifying: simplex")
+    assert identifier.stop() == 0
+    assert "written" not in identifier.log
+    assert not (tmp_path / "found.yaml").exists()
