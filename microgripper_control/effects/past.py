@@ -8,9 +8,11 @@ for the two beside it, in proportion.
 
 import numpy as np
 
+from microgripper_control.core.compiled import compiled
 from microgripper_control.core.signals import FALLEN, HIGH, LOW, RISEN, Array
 
 
+@compiled
 def shares_of_ways(h: float, first: float, risen: float, fallen: float) -> tuple[float, float]:
     """How far h, m, speaks for a way up and for one down, each 0 to 1, together at most 1.
 
@@ -18,11 +20,17 @@ def shares_of_ways(h: float, first: float, risen: float, fallen: float) -> tuple
     1 is for the first.
     """
     known = np.array([risen, fallen, first])
-    if not np.ptp(known) > 0.0:
+    lowest, middle, highest = np.argsort(known)
+    if not known[highest] > known[lowest]:
         return 0.0, 0.0  # h tells nothing
-    order = np.argsort(known, kind="stable")
-    up, down = (np.interp(h, known[order], order == way) for way in (0, 1))
-    return float(up), float(down)
+    below, above = (lowest, middle) if h < known[middle] else (middle, highest)
+    part = (
+        1.0 if h >= known[above] else max(0.0, (h - known[below]) / (known[above] - known[below]))
+    )
+    shares = np.zeros(3)
+    shares[below] += 1.0 - part
+    shares[above] += part
+    return shares[0], shares[1]
 
 
 def ways(levels: Array, row: int) -> list[tuple[float, tuple[float, ...]]]:

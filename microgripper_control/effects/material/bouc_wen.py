@@ -15,7 +15,6 @@ there.
 """
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 
@@ -30,7 +29,6 @@ from microgripper_control.core.signals import (
     LOOPS,
     LOW,
     RISEN,
-    ROWS,
     VOLTAGE,
     Array,
     Timing,
@@ -199,44 +197,49 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
 def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     """State: the voltage and h so far. The hysteresis is rate-independent: the course is kept."""
     d = values["d"]
-    row = (d, values["alpha"] * d, values["beta"], values["gamma"], values["n"])
+    rows = np.array([[d, values["alpha"] * d, values["beta"], values["gamma"], values["n"]]])
     u, h = levels[VOLTAGE], levels[HYSTERESIS]
     levels[FREE] = d * u - h
-    _tell_of_the_past(row, levels)
+    _tell_of_the_past(rows[0], levels)
     state = np.array([u, h])
-    return Prepared(np.array([row]), state, timing.ramped)
+    return Prepared(rows, state, timing.ramped)
 
 
-def _tell_of_the_past(c: tuple[float, ...], levels: Array) -> None:
+@compiled
+def _settled_loop(
+    low: float, high: float, a: float, beta: float, gamma: float, n: float
+) -> tuple[float, float, int]:
+    """h, m, at the ends of a loop, V, that has settled, and how often it was gone through."""
+    bottom, top = 0.0, advance(0.0, high, a, beta, gamma, n)
+    for loops in range(1, MOST_LOOPS + 1):
+        before = top
+        bottom = advance(top, low - high, a, beta, gamma, n)
+        top = advance(bottom, high - low, a, beta, gamma, n)
+        if not abs(top - before) > SETTLED * abs(top):
+            return bottom, top, loops
+    return bottom, top, MOST_LOOPS
+
+
+@compiled
+def _tell_of_the_past(c: Array, levels: Array) -> None:
     """Write what the drive's ends leave of h and displacement, and how far h speaks for each way.
 
     `c` is a row of the kernel's coefficients.
     """
-    d, *law = c
+    d, a, beta, gamma, n = c[0], c[1], c[2], c[3], c[4]
     u, h = levels[VOLTAGE], levels[HYSTERESIS]
     low, high = min(levels[LOW + VOLTAGE], u), max(levels[HIGH + VOLTAGE], u)
-    bottom, top, loops = _settled_loop(low, high, law)
+    bottom, top, loops = _settled_loop(low, high, a, beta, gamma, n)
     if not (math.isfinite(bottom) and math.isfinite(top)):
         return  # it is not bounded over so long a way: then as if it were the first
     for place, volts, left in ((LOW, low, bottom), (HIGH, high, top)):
-        levels[place : place + ROWS] = volts, left, d * volts - left, 0.0
-    first, risen, fallen = (
-        advance(before, way, *law) for before, way in ((0.0, u), (bottom, u - low), (top, u - high))
-    )
-    levels[[RISEN, FALLEN]] = shares_of_ways(h, first, risen, fallen)
-    levels[[FEED, LOOPS]] = c[1], loops
-
-
-def _settled_loop(low: float, high: float, law: Sequence[float]) -> tuple[float, float, int]:
-    """h, m, at the ends of a loop, V, that has settled, and how often it was gone through."""
-    bottom, top = 0.0, advance(0.0, high, *law)
-    for loops in range(1, MOST_LOOPS + 1):
-        before = top
-        bottom = advance(top, low - high, *law)
-        top = advance(bottom, high - low, *law)
-        if not abs(top - before) > SETTLED * abs(top):
-            return bottom, top, loops
-    return bottom, top, MOST_LOOPS
+        levels[place + VOLTAGE], levels[place + HYSTERESIS] = volts, left
+        levels[place + FREE] = d * volts - left
+    first = advance(0.0, u, a, beta, gamma, n)
+    risen = advance(bottom, u - low, a, beta, gamma, n)
+    fallen = advance(top, u - high, a, beta, gamma, n)
+    levels[RISEN], levels[FALLEN] = shares_of_ways(h, first, risen, fallen)
+    levels[FEED], levels[LOOPS] = a, loops
 
 
 RATE_UNIT = "1/(V*m^(n-1))"
