@@ -57,6 +57,12 @@ def prepare(clock: float, age: float, timing: Timing, levels: Array) -> Prepared
     return Prepared(np.array(rows), np.array(state), timing.ramped)
 
 
+def turn_back(prepared: Prepared, duration: float) -> None:
+    """Have the clock stand where it stood `duration`, s, ago."""
+    clock = prepared.coefficients[0, 1]
+    prepared.state[1] = math.fmod(prepared.state[1] + duration, clock)
+
+
 def says_clock(values: Mapping[str, float]) -> str:
     """The end of a sentence on a link with such a clock, empty without one."""
     clock = values["clock"]

@@ -24,9 +24,8 @@ def shares_of_ways(h: float, first: float, risen: float, fallen: float) -> tuple
     if not known[highest] > known[lowest]:
         return 0.0, 0.0  # h tells nothing
     below, above = (lowest, middle) if h < known[middle] else (middle, highest)
-    part = (
-        1.0 if h >= known[above] else max(0.0, (h - known[below]) / (known[above] - known[below]))
-    )
+    from_below = max(0.0, h - known[below])
+    part = 1.0 if h >= known[above] else from_below / (known[above] - known[below])
     shares = np.zeros(3)
     shares[below] += 1.0 - part
     shares[above] += part

@@ -51,6 +51,7 @@ class Chain:
         levels = np.append(levels, np.zeros(LEVELS - ROWS))
         levels[[LOW + VOLTAGE, HIGH + VOLTAGE]] = model.voltage_range
         self._continuous: list[tuple[Kernel, Array, Array]] = []
+        self._clock: Prepared | None = None  # of a sensor that has one
         self._sampled: list[tuple[Kernel, Array, Array]] = []
         self._lasting: list[Array] = []
         loads: list[Load] = [(link.force, model.values(link.name)) for link in links if link.force]
@@ -66,8 +67,7 @@ class Chain:
             if not link.sampled:
                 self.rest_position = float(levels[POSITION])
         if model.clock > 0.0:
-            held = conversion_clock.prepare(model.clock, reading_age, timing, levels)
-            self._continuous.append((conversion_clock.kernel, held.coefficients, held.state))
+            self._clock = conversion_clock.prepare(model.clock, reading_age, timing, levels)
 
     @property
     def steps(self) -> int:
@@ -77,7 +77,8 @@ class Chain:
     @property
     def labour(self) -> int:
         """Rows of coefficients that a sample period takes, roughly what it costs."""
-        return sum(len(coefficients) for _, coefficients, _ in self._continuous)
+        rows = sum(len(coefficients) for _, coefficients, _ in self._continuous)
+        return rows + (len(self._clock.coefficients) if self._clock else 0)
 
     @property
     def senses(self) -> bool:
@@ -86,11 +87,27 @@ class Chain:
 
     def advance(self, bus: Array) -> None:
         """Run the links that act between samples; `bus` holds whole sample periods."""
-        for kernel, coefficients, state in self._continuous:
-            kernel(coefficients, state, bus)
+        _run(self._continuous, bus)
+        self._convert(bus)
+
+    def _convert(self, bus: Array) -> None:
+        if self._clock:
+            conversion_clock.kernel(self._clock.coefficients, self._clock.state, bus)
 
     def settle(self, bus: Array) -> None:
         """Run the period on the bus over and over until it repeats itself.
+
+        A sensor's own clock goes on through all periods and does not: it reads the last two.
+        """
+        self._settle(bus)
+        if self._clock:
+            periods = bus.shape[1] // self.steps
+            conversion_clock.turn_back(self._clock, periods * self.timing.sample_period)
+            self._convert(bus.copy())
+        self._convert(bus)
+
+    def _settle(self, bus: Array) -> None:
+        """All but the sensor's clock.
 
         It does so if it ends where it began, in every state or at least in its positions. A small
         loop of hysteresis takes many periods for that, slow creep thousands, but each approaches
@@ -101,7 +118,7 @@ class Chain:
         for _ in range(MOST_PERIODS):
             begun, before = self._states(), bus[POSITION].copy()
             bus[VOLTAGE] = voltage
-            self.advance(bus)
+            _run(self._continuous, bus)
             if np.allclose(self._states(), begun, rtol=CLOSED, atol=0.0):
                 return
             change = np.max(np.abs(bus[POSITION] - before))
@@ -123,15 +140,19 @@ class Chain:
             return positions
         bus = np.zeros((ROWS, len(positions)))
         bus[POSITION] = positions
-        for kernel, coefficients, state in self._sampled:
-            kernel(coefficients, state, bus)
+        _run(self._sampled, bus)
         sensed: Array = bus[POSITION]
         return sensed
 
     def sense_in_place(self, bus: Array) -> None:
         """As `sense`, on the position row of a bus of samples."""
-        for kernel, coefficients, state in self._sampled:
-            kernel(coefficients, state, bus)
+        _run(self._sampled, bus)
+
+
+def _run(links: list[tuple[Kernel, Array, Array]], bus: Array) -> None:
+    """Run links, with what they have prepared, one after the other."""
+    for kernel, coefficients, state in links:
+        kernel(coefficients, state, bus)
 
 
 def _limit(first: Array, second: Array, third: Array) -> Array:

@@ -10,7 +10,7 @@ from microgripper_control.core.signals import POSITION, ROWS, Timing
 from microgripper_control.effects import conversion_clock
 from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import nominal_model
-from microgripper_control.plant.simulate import simulate
+from microgripper_control.plant.simulate import Initial, simulate
 
 PERIOD = 1e-3  # s
 
@@ -76,3 +76,16 @@ def test_a_lag_is_read_at_any_instant_of_a_long_sample(
     found = simulate(model, voltage, period, hold=hold, reading_age=age)
     error = found - np.interp(last, dense, course)
     assert np.std(error) < 3e-9  # of a motion of 20 um
+
+
+def test_in_a_steady_state_it_goes_on_from_period_to_period() -> None:
+    """And does not begin each anew: a period is no whole number of conversions."""
+    clock, period = 0.37e-3, 0.5
+    elastic = nominal_model().with_values({("bouc_wen", "alpha"): 0.0})
+    model = elastic.with_link("transport_delay", delay=1e-4, clock=clock)
+    voltage = 75.0 - 75.0 * np.cos(2.0 * np.pi * np.arange(500) / 500.0)
+    for age in (0.0, 0.1e-3, 0.35e-3):
+        three = simulate(model, np.tile(voltage, 3), 1e-3, reading_age=age)
+        later = (age + 2.0 * period) % clock
+        third = simulate(model, voltage, 1e-3, initial=Initial.PERIODIC, reading_age=later)
+        np.testing.assert_allclose(third[1:], three[-499:], rtol=0.0, atol=1e-12)
