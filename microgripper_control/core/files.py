@@ -37,7 +37,11 @@ def check_place(path: str | Path, given: Iterable[str | Path] = ()) -> None:
     if any(path.resolve() == Path(one).resolve() for one in given):
         raise MicrogripperError(f"{path}: would overwrite what is read; give another name")
     make_folder(path.parent)
-    if path.is_dir():
+    try:
+        taken = path.is_dir()
+    except OSError as error:  # too long a name
+        raise MicrogripperError(f"{path}: cannot be written: {error.strerror}") from None
+    if taken:
         raise MicrogripperError(f"{path}: is a folder; give the name of a file")
 
 

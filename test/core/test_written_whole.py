@@ -33,3 +33,8 @@ def test_a_file_that_is_left_unfinished_leaves_the_one_before(tmp_path: Path) ->
 def test_a_result_does_not_replace_what_it_is_made_from(tmp_path: Path) -> None:
     with pytest.raises(MicrogripperError, match="would overwrite what is read"):
         check_place(tmp_path / "run.csv", [tmp_path / "other.csv", tmp_path / "." / "run.csv"])
+
+
+def test_a_name_that_no_file_can_have_is_refused_before_the_work(tmp_path: Path) -> None:
+    with pytest.raises(MicrogripperError, match="cannot be written: File name too long"):
+        check_place(tmp_path / ("m" * 300))
