@@ -8,6 +8,7 @@ from launch.actions import DeclareLaunchArgument, OpaqueFunction
 from launch.conditions import IfCondition
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
 from launch_ros.substitutions import FindPackageShare
 
 PACKAGE = "microgripper_control"
@@ -37,8 +38,9 @@ def generate_launch_description() -> LaunchDescription:
 
 def nodes(context: LaunchContext) -> list[Node]:
     """The nodes: an argument that was given counts more than the file of parameters."""
-    in_step = LaunchConfiguration("lockstep").perform(context)
-    lockstep = [{"lockstep": in_step.lower() == "true"}] if in_step else []
+    in_step = LaunchConfiguration("lockstep")
+    given = in_step.perform(context)
+    lockstep = [{"lockstep": ParameterValue(in_step, value_type=bool)}] if given else []
     law = LaunchConfiguration("mode").perform(context)
     mode = [{"mode": law}] if law else []
     common = {

@@ -6,6 +6,7 @@ from launch.conditions import IfCondition
 from launch.event_handlers import OnProcessExit
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
 from launch_ros.substitutions import FindPackageShare
 
 PACKAGE = "microgripper_control"
@@ -42,8 +43,9 @@ def generate_launch_description() -> LaunchDescription:
 
 def nodes(context: LaunchContext) -> list[Action]:
     """The nodes: an argument that was given counts more than the files of parameters."""
-    in_step = LaunchConfiguration("lockstep").perform(context)
-    lockstep = [{"lockstep": in_step.lower() == "true"}] if in_step else []
+    in_step = LaunchConfiguration("lockstep")
+    given = in_step.perform(context)
+    lockstep = [{"lockstep": ParameterValue(in_step, value_type=bool)}] if given else []
     common = {
         "package": PACKAGE,
         "namespace": LaunchConfiguration("namespace"),
