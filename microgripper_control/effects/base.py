@@ -139,6 +139,16 @@ def never_behind(values: Values) -> float:
     return 0.0
 
 
+# rescaled(values, factor): what else changes, where the parameters at which the link vanishes
+# become `factor` times as large, so that it does the same, only stronger.
+Rescaled = Callable[[Values, float], Values]
+
+
+def nothing_else(values: Values, factor: float) -> Values:
+    """A link whose strength is a factor."""
+    return {}
+
+
 # says(values, scales): what a technician sees of the effect, a clause in small letters with numbers
 # in practical units. Of a link whose size belongs to each recording, the size is left out.
 Says = Callable[[Values, Scales], str]
@@ -262,6 +272,7 @@ class Link:
     plausible: Plausible = as_declared
     unusual: Unusual = never_unusual
     idle: Idle = none_idle
+    rescaled: Rescaled = nothing_else
     behind: Behind = never_behind
     says: Says | None = None  # the title does without
     nominal: bool = False  # part of the paper's plant, always there

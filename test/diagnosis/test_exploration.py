@@ -53,13 +53,15 @@ def test_in_the_place_of_one_of_two_is_tried_what_explains_as_much_alone(
         ("creep",): 0.45,
         ("contact", "creep"): 0.90,
     }
-    tried = {frozenset(e): SimpleNamespace(effects=e, model=None) for e in closed}
+    tried = {frozenset(e): SimpleNamespace(effects=e, model=e) for e in closed}
+    costly: set[tuple[str, ...]] = set()
+    rest = [False]
     played: list[tuple[str, str]] = []
 
     def play(evidence: object, bases: Any, names: list[str], *given: object) -> None:  # noqa: ANN401
         played.extend((bases[0].effects[0], name) for name in names)
 
-    monkeypatch.setattr(exploration, "is_costly", lambda evidence, model: False)
+    monkeypatch.setattr(exploration, "is_costly", lambda evidence, model: model in costly)
     monkeypatch.setattr(exploration, "base_of", lambda evidence, trial: trial)
     monkeypatch.setattr(exploration, "play", play)
     pool: Any = SimpleNamespace(
@@ -67,6 +69,7 @@ def test_in_the_place_of_one_of_two_is_tried_what_explains_as_much_alone(
         own=frozenset(),
         tried=tried,
         closed=lambda trial: closed[trial.effects],
+        leaves_a_rest=lambda trial: rest[0],
         best=lambda size, count: sorted(
             (t for e, t in tried.items() if len(e) == size), key=lambda t: -closed[t.effects]
         )[:count],
@@ -74,6 +77,12 @@ def test_in_the_place_of_one_of_two_is_tried_what_explains_as_much_alone(
     names = ["contact", "saturation", "nonlinear_stiffness", "creep"]
     exploration._exchange(names, pool, lambda *done: None, 1)
     assert played == [("creep", "saturation"), ("contact", "saturation")]
+    rest[0] = True  # where the two leave a rest, all others may be meant
+    costly.add(("contact",))
+    played.clear()
+    exploration._exchange(names, pool, lambda *done: None, 1)
+    beside_creep = [("creep", "saturation"), ("creep", "nonlinear_stiffness")]
+    assert played == [*beside_creep, ("contact", "saturation")]  # beside a costly one few
     closed["contact", "creep"] = 0.60  # a second effect that adds little is not worth it
     played.clear()
     exploration._exchange(names, pool, lambda *done: None, 1)
@@ -93,7 +102,19 @@ def test_what_would_leave_nearly_all_is_not_fitted_unless_it_is_strong_or_shows(
     pool: Any = SimpleNamespace(tried={}, best=lambda size, count: [strongest])
     nothing: Any = None
     ways = rounds._promising(nothing, nothing, list(left), ["mains_hum"], pool, 1)
-    assert ways == ["friction", "mains_hum", "creep"]
+    assert ways == ["creep", "friction", "mains_hum"]
+
+
+def test_what_promises_most_is_fitted_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of few places none is left for it where the strong ones and those that show come first."""
+    left = {"creep": 0.9, "contact": 0.8, "nonlinear_stiffness": 0.7, "backlash": 0.75}
+    monkeypatch.setattr(rounds, "promise", lambda *given: (given[2], left[given[2]]))
+    pool: Any = SimpleNamespace(
+        tried={}, best=lambda size, count: [SimpleNamespace(effects=("creep", "contact"))]
+    )
+    nothing: Any = None
+    ways = rounds._promising(nothing, nothing, list(left), (), pool, 1)
+    assert ways == ["nonlinear_stiffness", "contact", "creep", "backlash"]
 
 
 def test_an_effect_that_shows_may_lead_from_further_behind(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,7 +7,8 @@ import pytest
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.diagnosis.data.evidence import Evidence
-from microgripper_control.diagnosis.search.labour import is_costly, is_long
+from microgripper_control.diagnosis.search.labour import is_costly, is_laborious_with, is_long
+from microgripper_control.diagnosis.search.refit import nominal_trial
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import nominal_model
@@ -43,3 +44,14 @@ def test_a_costly_force_is_long_on_many_samples(samples: int, long: bool) -> Non
     assert is_costly(evidence, friction)
     assert is_long(evidence, friction) == long
     assert not is_long(evidence, nominal_model().with_link("creep"))
+
+
+@pytest.mark.parametrize(("samples", "laborious"), [(4000, False), (40_000, True)])
+def test_only_of_many_samples_a_part_is_fitted_first(samples: int, laborious: bool) -> None:
+    """Friction is costly on either; of few samples all are fitted at once."""
+    voltage = 75.0 - 70.0 * np.cos(2.0 * np.pi * 0.5 * PERIOD * np.arange(samples))
+    run = Recording("run", PERIOD, voltage, 1e-7 * voltage)
+    evidence = Evidence.gather([run], [], Conditions(Hold.ZERO), nominal_model())
+    nominal = nominal_trial(evidence, nominal_model())
+    assert is_laborious_with(evidence, nominal, "friction") == laborious
+    assert not is_laborious_with(evidence, nominal, "creep")

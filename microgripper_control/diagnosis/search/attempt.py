@@ -33,6 +33,7 @@ STEPS = 12  # of a fit from a first guess, at most
 FAR_OFF = 2.0  # times what is hopeless: a first fit that leaves more is not gone on with
 LITTLE_TAKEN = 0.99  # of a part's residual: if nothing is wanting, what leaves more is no way on
 FALLEN_SHORT = 1.2  # times what a guess had promised: a fit that leaves more has gone astray
+CLOSE_BEHIND = 1.5  # times what the best kind of a law leaves: another that is fitted on as well
 COSTLY_STEPS = 8  # where samples are costly: first with the base's derivatives kept, then fresh
 CARRIED = 2  # fits of a part of the samples that are tried on all; of an effect that joins, one
 SETTLING_IN = 5  # steps with the same derivatives, from a part of the samples to all of them
@@ -113,7 +114,7 @@ def _attempt(
 def _from_all_starts(
     part: Evidence, anchors: Sequence[Base], name: str, scrutiny: Scrutiny
 ) -> list[Trial]:
-    """The fits from the best first guesses, and of a costly effect that is by itself their ends."""
+    """The fits from the best first guesses, and of an effect that is by itself their ends."""
     samples = sum(int(np.count_nonzero(used)) for used in part.used)
     wanted = min(scrutiny.starts, max(STARTS, ENOUGH // samples))
     starts = guesses(part, anchors, name, wanted, scrutiny.alone)
@@ -128,8 +129,14 @@ def _from_all_starts(
     ]
     found = [fit for fit in fits if fit is not None and np.isfinite(fit.fitted_rmse)]
     near = any(fit.fitted_rmse < too_far for fit in found)
-    if alone and near and any(is_costly(part, fit.model) for fit in found):
-        found += [fit_on(part, fit, ROUGH, COSTLY_STEPS) for fit in best_of_each_kind(found, name)]
+    if alone and near:
+        costly = any(is_costly(part, fit.model) for fit in found)
+        if costly:
+            found += [
+                fit_on(part, fit, ROUGH, COSTLY_STEPS) for fit in best_of_each_kind(found, name)
+            ]
+        elif len(running := _in_the_running(found, name)) > 1:
+            found += [fit_on(part, fit, ROUGH, STEPS) for fit in running]
     return found
 
 
@@ -207,6 +214,12 @@ def best_of_each_kind(found: Sequence[Trial], name: str) -> list[Trial]:
     """A law may have parts of which a fit takes one: the one that ends lower may begin higher."""
     best = sorted(found, key=lambda trial: trial.fitted_rmse, reverse=True)
     return list({kind(fit.model, name): fit for fit in best}.values())
+
+
+def _in_the_running(found: Sequence[Trial], name: str) -> list[Trial]:
+    """The best of each kind that leaves not much more than the best of all."""
+    most = CLOSE_BEHIND * min(fit.fitted_rmse for fit in found)
+    return [fit for fit in best_of_each_kind(found, name) if fit.fitted_rmse < most]
 
 
 def _fit_from(evidence: Evidence, guess: Guess, name: str, too_far: float) -> Trial | None:

@@ -161,33 +161,43 @@ def _join(leader: Trial, names: Sequence[str], pool: Pool, progress: Progress, j
 def _exchange(names: Sequence[str], pool: Pool, progress: Progress, jobs: int) -> None:
     """Try in the place of each of the best two effects what explained about as much alone.
 
-    Which of them led was chosen without the other, whose part of the gap misled both.
+    Which of them led was chosen without the other, whose part of the gap misled both. Where the two
+    leave more than noise, what promises most beside either is tried, unless that is costly.
     """
     best = pool.best(2, 1)
     if not best or not _adds_much(best[0], pool):
         return
     pair = frozenset(best[0].effects) - pool.own
+    wanting = pool.leaves_a_rest(best[0])
     for name in sorted(pair):
         replaced, kept = pool.tried.get(frozenset([name])), pool.tried.get(pair - {name})
-        if replaced and kept and (alike := _alike(replaced, kept, names, pool)):
-            base = base_of(pool.evidence, kept)
-            play(pool.evidence, [base], alike, len(alike), pool, progress, jobs)
-
-
-def _alike(replaced: Trial, kept: Trial, names: Sequence[str], pool: Pool) -> list[str]:
-    """Effects of `names` that close alone about what `replaced` does, not tried beside `kept`.
-
-    None that is costly.
-    """
-    least, beside = ALIKE * pool.closed(replaced), frozenset(kept.effects) - pool.own
-    found = []
-    for trial in pool.best(1, len(pool.tried)):
-        (name,) = added = frozenset(trial.effects) - pool.own
-        if name not in names or is_costly(pool.evidence, trial.model):
+        if not (replaced and kept):
             continue
-        if added | beside not in pool.tried and pool.closed(trial) >= least:
-            found.append(name)
-    return found[:EXCHANGED]
+        others = _untried_beside(kept, names, pool)
+        if not wanting or is_costly(pool.evidence, kept.model):
+            others = _alike(replaced, others, pool)
+        if others:
+            base = base_of(pool.evidence, kept)
+            play(pool.evidence, [base], others, EXCHANGED, pool, progress, jobs)
+
+
+def _untried_beside(kept: Trial, names: Sequence[str], pool: Pool) -> list[str]:
+    """The effects of `names`, but costly ones, not tried beside `kept`; what closes most first."""
+    beside = frozenset(kept.effects) - pool.own
+    return [
+        name
+        for name in strongest(names, pool)
+        if name not in beside
+        and beside | {name} not in pool.tried
+        and not is_costly(pool.evidence, pool.tried[frozenset([name])].model)
+    ]
+
+
+def _alike(replaced: Trial, names: Sequence[str], pool: Pool) -> list[str]:
+    """The first of `names` that close alone about what `replaced` does."""
+    least = ALIKE * pool.closed(replaced)
+    alike = [name for name in names if pool.closed(pool.tried[frozenset([name])]) >= least]
+    return alike[:EXCHANGED]
 
 
 def _shown_by(leader: Trial, pool: Pool) -> list[str]:

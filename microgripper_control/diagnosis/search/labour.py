@@ -19,6 +19,7 @@ from microgripper_control.plant.model import Model
 from microgripper_control.plant.simulate import Initial
 
 MOST_ROWS = 2e7  # of coefficients in a simulation with forces: what makes it longer does not join
+PART_ROWS = 1e6  # from which on a part of the samples is fitted first
 LONG_ROWS = 2e6  # the same: a round of further effects then takes some ten minutes
 MANY_ROWS = 10  # of coefficients a sample: by place, and at rest at its end, a force takes five
 
@@ -48,6 +49,12 @@ def is_costly_with(evidence: Evidence, trial: Trial, effect: str) -> bool:
     """The same of a trial's model with one more effect, at its first start."""
     model = _with(evidence, trial, effect)
     return model is not None and is_costly(evidence, model)
+
+
+def is_laborious_with(evidence: Evidence, trial: Trial, effect: str) -> bool:
+    """Whether it takes too long to fit a trial's model with one more effect to all samples."""
+    model = _with(evidence, trial, effect)
+    return model is not None and _samples(evidence) * _labour_of_forces(evidence, model) > PART_ROWS
 
 
 def may_join(evidence: Evidence, trial: Trial, effect: str) -> bool:

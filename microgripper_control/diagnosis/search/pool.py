@@ -97,6 +97,10 @@ class Pool:
         gap = removable(self.refit.both, self.noise_floor)
         return 1.0 - removable(trial.both, self.noise_floor) / gap if gap > 0.0 else 0.0
 
+    def leaves_a_rest(self, trial: Trial) -> bool:
+        """Whether an explanation leaves more than noise."""
+        return removable(trial.both, self.noise_floor) > UNEXPLAINED * self.noise_floor
+
     def leaves_more(self, trial: Trial) -> bool:
         """Whether an explanation leaves more than a right law would."""
         floor = self.noise_floor

@@ -130,14 +130,16 @@ def _promising(
 ) -> list[str]:
     """The effects that are worth a fit, in the order in which they are.
 
-    First those that are strong alone, and those that show: a glance may miss a narrow resonance.
+    First what promises most, then those that are strong alone, and those that show: a glance may
+    miss a narrow resonance.
     """
     looks = [(evidence, bases, name, _by_itself(name, pool)) for name in names]
     left: Mapping[str, float] = dict(side_by_side(promise, looks, jobs))
     strong = strongest(left, pool)[:RUNNERS_UP]
     first = {*strong, *sorted({*shown} & {*left}, key=lambda name: left[name])[:SHOWN]}
     worth = [name for name in left if name in first or left[name] < HARDLY]
-    return sorted(worth, key=lambda name: (name not in first, left[name]))
+    best = min(worth, key=lambda name: left[name], default=None)
+    return sorted(worth, key=lambda name: (name != best, name not in first, left[name]))
 
 
 def _by_itself(name: str, pool: Pool) -> list[Values]:

@@ -71,7 +71,9 @@ def guesses(
         for values in starts
         if (guess := _judge(evidence, base, _with(base.trial.model, effect, values)))
     ]
-    for guess in sorted(found, key=lambda guess: (guess.idle, guess.least))[:RESCALED]:
+    found.sort(key=lambda guess: (guess.idle, guess.least))
+    best = {kind(guess.model, effect): guess for guess in reversed(found)}
+    for guess in [*found[:RESCALED], *(g for g in best.values() if g not in found[:RESCALED])]:
         if abs(guess.strength - 1.0) < RIGHT:
             continue
         model = _stronger(guess.model, effect, guess.strength)
@@ -145,9 +147,9 @@ def _has_courses(model: Model) -> bool:
 
 def _stronger(model: Model, effect: str, strength: float) -> Model:
     """The model with the effect made stronger, as it is where its strength is no factor."""
-    values = model.values(effect)
-    changed = {}
-    for parameter in registry()[effect].parameters:
+    link, values = registry()[effect], model.values(effect)
+    changed: dict[str, float] = {}
+    for parameter in link.parameters:
         if parameter.vanishing != 0.0 or not parameter.fitted or values[parameter.name] == 0.0:
             continue
         if strength < 0.0 and parameter.low >= 0.0:
@@ -155,5 +157,6 @@ def _stronger(model: Model, effect: str, strength: float) -> Model:
         else:
             size = min(STRONGEST, max(1.0 / STRONGEST, abs(strength)))
             factor = size if strength > 0.0 else -size
-        changed[effect, parameter.name] = parameter.nearest(factor * values[parameter.name])
-    return model.with_values(changed) if changed else model
+        changed[parameter.name] = factor * values[parameter.name]
+        changed.update(link.rescaled(values, factor))
+    return _with(model, effect, {**values, **changed}) if changed else model

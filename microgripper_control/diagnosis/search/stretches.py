@@ -13,7 +13,7 @@ from microgripper_control.diagnosis.data.evidence import Evidence, rms
 from microgripper_control.diagnosis.data.noise import innovation, removable
 from microgripper_control.diagnosis.fits.fitting import Base, base_of
 from microgripper_control.diagnosis.fits.trial import Trial, moved
-from microgripper_control.diagnosis.search.labour import is_costly_with, is_force
+from microgripper_control.diagnosis.search.labour import is_force, is_laborious_with
 from microgripper_control.effects.registry import registry
 
 PART = 15_000  # samples that are fitted then
@@ -47,7 +47,7 @@ def _enough(evidence: Evidence, trial: Trial, name: str, most: float) -> float:
 
     For a glance that goes for any force, and for a play.
     """
-    if is_costly_with(evidence, trial, name) or (most <= GLANCE and _is_shown(name)):
+    if is_laborious_with(evidence, trial, name) or (most <= GLANCE and _is_shown(name)):
         return most
     return IF_CHEAP if is_force(name) else math.inf
 

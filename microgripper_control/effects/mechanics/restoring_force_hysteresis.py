@@ -56,8 +56,7 @@ RATE_UNIT = "1/(m*N^(n-1))"
 def starts(scales: Scales) -> Sequence[Values]:
     """A fiftieth of the stiffness, forgotten over more or less of the stroke; or all that slips.
 
-    What slips may be about as stiff as the rig: a fit does not get there from a seventh of it. With
-    n = 2 a stronger force is forgotten sooner, so that a guess cannot just be made stronger.
+    What slips may be about as stiff as the rig: a fit does not get there from a seventh of it.
     """
     alpha = 0.02 * scales.stiffness
     ways = (scales.stroke, scales.stroke / 4.0, scales.stroke / 16.0)
@@ -69,7 +68,7 @@ def starts(scales: Scales) -> Sequence[Values]:
     saturating += [
         {"alpha": stiff, "beta": 1.0 / (stiff * way**2), "gamma": 0.0, "n": 2.0}
         for stiff in (alpha, 7.0 * alpha)
-        for way in ways
+        for way in (scales.stroke / 2.0**halvings for halvings in range(5))
     ]
     slipping = [
         {
@@ -82,6 +81,12 @@ def starts(scales: Scales) -> Sequence[Values]:
         for share in (0.3, 0.7)
     ]
     return [*saturating, *slipping]
+
+
+def rescaled(values: Values, factor: float) -> Values:
+    """The decays with which a stronger force is forgotten over the same way: they go with z^n."""
+    slower = abs(factor) ** (1.0 - values["n"])
+    return {"beta": slower * values["beta"], "gamma": slower * values["gamma"]}
 
 
 def idle(values: Values) -> Collection[str]:
@@ -156,6 +161,7 @@ LINK = Link(
     ),
     starts=starts,
     idle=idle,
+    rescaled=rescaled,
     plausible=plausible,
     unusual=unusual,
     says=says,

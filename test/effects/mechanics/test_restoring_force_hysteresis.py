@@ -12,7 +12,11 @@ from scipy.integrate import solve_ivp
 from microgripper_control.core.signals import Array
 from microgripper_control.effects.base import Scales, Values
 from microgripper_control.effects.material.bouc_wen import advance
-from microgripper_control.effects.mechanics.restoring_force_hysteresis import law, memory
+from microgripper_control.effects.mechanics.restoring_force_hysteresis import (
+    law,
+    memory,
+    rescaled,
+)
 from microgripper_control.effects.registry import link_named
 from microgripper_control.effects.slipping_springs import SPRINGS
 from microgripper_control.plant.hold import Hold
@@ -162,13 +166,13 @@ def test_planted_values_are_found(
 
 
 def test_sharp_first_guesses_remember_as_far_as_they_were_meant_to(paper: Model) -> None:
-    """Those of exponent 2: over the stroke, a quarter of it or a sixteenth."""
+    """Those of exponent 2: over the stroke, half of it and so on to a sixteenth."""
     ways = set()
     for start in link_named(LINK).starts(SCALES):
         values = paper.with_link(LINK, **start).values(LINK)
         if values["n"] == 2.0:
             ways.add(round(memory(values) / SCALES.stroke, 9))
-    assert ways == {1.0, 0.25, 0.0625}
+    assert ways == {1.0, 0.5, 0.25, 0.125, 0.0625}
 
 
 SLIPPING = {"alpha": 4e6, "distributed": 1.0, "widest": 8e-6}
@@ -299,3 +303,13 @@ def test_a_recording_that_begins_on_the_way_back_goes_on_nearly_as_it_would(
         return float(np.std((begun - whole)[1:]))
 
     assert off(rig) < 0.3 * off(paper)
+
+
+@pytest.mark.parametrize("n", [1.0, 2.0, 3.0])
+def test_made_stronger_it_does_the_same_only_stronger(n: float) -> None:
+    """Of a force that is ten times as large each power of z fades it by another power of ten."""
+    weak = {"alpha": 1e6, "beta": 2e5 * 0.3 ** (1.0 - n), "gamma": -1e5 * 0.3 ** (1.0 - n), "n": n}
+    strong = {**weak, "alpha": 10.0 * weak["alpha"], **rescaled(weak, 10.0)}
+    places = np.array([0.0, 8e-6, 2e-6, 5e-6, 4e-6])
+    np.testing.assert_allclose(asked(strong, places), 10.0 * asked(weak, places), rtol=1e-9)
+    assert np.ptp(asked(weak, places)) > 0.1
