@@ -39,9 +39,9 @@ def test_the_best_of_each_kind_goes_on_and_no_other() -> None:
 
 
 def test_kinds_close_behind_the_best_are_fitted_on_as_well() -> None:
-    found = [fit(1.0, 50e-9), fit(0.0, 40e-9), fit(0.5, 90e-9), fit(0.0, 45e-9)]
+    found = [fit(1.0, 46e-9), fit(0.0, 40e-9), fit(0.5, 90e-9), fit(0.0, 45e-9)]
     running = attempts._in_the_running(found, EFFECT)
-    assert {trial.fitted_rmse for trial in running} == {40e-9, 50e-9}
+    assert {trial.fitted_rmse for trial in running} == {40e-9, 46e-9}
 
 
 def bases_of(rig: Model) -> tuple[Evidence, list[Base]]:

@@ -54,7 +54,7 @@ RATE_UNIT = "1/(m*N^(n-1))"
 
 
 def starts(scales: Scales) -> Sequence[Values]:
-    """A fiftieth of the stiffness, forgotten over more or less of the stroke; or all that slips.
+    """Some of the stiffness, forgotten over more or less of the stroke; or all that slips.
 
     What slips may be about as stiff as the rig: a fit does not get there from a seventh of it.
     """
@@ -66,8 +66,7 @@ def starts(scales: Scales) -> Sequence[Values]:
         for share in (-0.6, 0.0, 0.6)
     ]
     saturating += [
-        {"alpha": stiff, "beta": 1.0 / (stiff * way**2), "gamma": 0.0, "n": 2.0}
-        for stiff in (alpha, 7.0 * alpha)
+        {"alpha": 7.0 * alpha, "beta": 1.0 / (7.0 * alpha * way**2), "gamma": 0.0, "n": 2.0}
         for way in (scales.stroke / 2.0**halvings for halvings in range(5))
     ]
     slipping = [
