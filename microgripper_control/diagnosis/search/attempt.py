@@ -129,15 +129,20 @@ def _from_all_starts(
     ]
     found = [fit for fit in fits if fit is not None and np.isfinite(fit.fitted_rmse)]
     near = any(fit.fitted_rmse < too_far for fit in found)
-    if alone and near:
-        costly = any(is_costly(part, fit.model) for fit in found)
-        if costly:
-            found += [
-                fit_on(part, fit, ROUGH, COSTLY_STEPS) for fit in best_of_each_kind(found, name)
-            ]
-        elif len(running := _in_the_running(found, name)) > 1:
-            found += [fit_on(part, fit, ROUGH, STEPS) for fit in running]
-    return found
+    return [*found, *_gone_on_with(part, found, name)] if alone and near else found
+
+
+def _gone_on_with(part: Evidence, found: Sequence[Trial], name: str) -> list[Trial]:
+    """Longer fits of the best of each kind: of a costly effect's, of others' if it is a close race.
+
+    One by one, since the kind that is ahead after a few steps need not be the rig's.
+    """
+    best = best_of_each_kind(found, name)
+    if any(is_costly(part, fit.model) for fit in found):
+        return [fit_on(part, fit, ROUGH, COSTLY_STEPS) for fit in best]
+    most = CLOSE_BEHIND * min(fit.fitted_rmse for fit in best)
+    running = [fit for fit in best if fit.fitted_rmse <= most]
+    return [fit_on(part, fit, ROUGH, STEPS) for fit in running] if len(running) > 1 else []
 
 
 def _best_judged(evidence: Evidence, found: Sequence[Trial]) -> Trial:
@@ -214,12 +219,6 @@ def best_of_each_kind(found: Sequence[Trial], name: str) -> list[Trial]:
     """A law may have parts of which a fit takes one: the one that ends lower may begin higher."""
     best = sorted(found, key=lambda trial: trial.fitted_rmse, reverse=True)
     return list({kind(fit.model, name): fit for fit in best}.values())
-
-
-def _in_the_running(found: Sequence[Trial], name: str) -> list[Trial]:
-    """The best of each kind that leaves not much more than the best of all."""
-    most = CLOSE_BEHIND * min(fit.fitted_rmse for fit in found)
-    return [fit for fit in best_of_each_kind(found, name) if fit.fitted_rmse < most]
 
 
 def _fit_from(evidence: Evidence, guess: Guess, name: str, too_far: float) -> Trial | None:
