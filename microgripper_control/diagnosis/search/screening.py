@@ -21,7 +21,7 @@ from microgripper_control.effects.registry import registry
 from microgripper_control.identification.nuisance import Projection
 from microgripper_control.plant.model import Model
 
-RESCALED = 4  # guesses, beside the best of each kind, whose strength is corrected
+RESCALED = 4  # guesses whose strength is corrected, and as many that are kept as they are
 OTHERS = 2  # kinds beside the best that are fitted from their best guess
 RIGHT = 0.05  # of its strength: a guess that is off by less is as strong as it should be
 STRONGEST = 30.0  # times, and weakest 1/30: the furthest correction
@@ -71,9 +71,7 @@ def guesses(
         for values in starts
         if (guess := _judge(evidence, base, _with(base.trial.model, effect, values)))
     ]
-    found.sort(key=lambda guess: (guess.idle, guess.least))
-    best = {kind(guess.model, effect): guess for guess in reversed(found)}.values()
-    for guess in {id(guess): guess for guess in (*found[:RESCALED], *best)}.values():
+    for guess in sorted(found, key=lambda guess: (guess.idle, guess.least))[:RESCALED]:
         if abs(guess.strength - 1.0) < RIGHT:
             continue
         model = _stronger(guess.model, effect, guess.strength)
