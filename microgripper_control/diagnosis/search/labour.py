@@ -19,8 +19,8 @@ from microgripper_control.plant.model import Model
 from microgripper_control.plant.simulate import Initial
 
 MOST_ROWS = 2e7  # of coefficients in a simulation with forces: what makes it longer does not join
-PART_ROWS = 1e6  # from which on a part of the samples is fitted first
 LONG_ROWS = 2e6  # the same: a round of further effects then takes some ten minutes
+PART_ROWS = 1e6  # the same: a part of the samples is fitted first then
 MANY_ROWS = 10  # of coefficients a sample: by place, and at rest at its end, a force takes five
 
 
@@ -42,7 +42,7 @@ def is_costly(evidence: Evidence, model: Model) -> bool:
 
 def is_long(evidence: Evidence, model: Model) -> bool:
     """Whether a simulation of a model with such forces takes a good part of a second."""
-    return _samples(evidence) * _labour_of_forces(evidence, model) > LONG_ROWS
+    return _rows(evidence, model) > LONG_ROWS
 
 
 def is_costly_with(evidence: Evidence, trial: Trial, effect: str) -> bool:
@@ -54,7 +54,7 @@ def is_costly_with(evidence: Evidence, trial: Trial, effect: str) -> bool:
 def is_laborious_with(evidence: Evidence, trial: Trial, effect: str) -> bool:
     """Whether it takes too long to fit a trial's model with one more effect to all samples."""
     model = _with(evidence, trial, effect)
-    return model is not None and _samples(evidence) * _labour_of_forces(evidence, model) > PART_ROWS
+    return model is not None and _rows(evidence, model) > PART_ROWS
 
 
 def may_join(evidence: Evidence, trial: Trial, effect: str) -> bool:
@@ -63,14 +63,15 @@ def may_join(evidence: Evidence, trial: Trial, effect: str) -> bool:
     Beside one it may, unless a simulation then takes half a second, so often are they balanced.
     """
     model = _with(evidence, trial, effect)
-    labour = _labour_of_forces(evidence, model) if model is not None else 0
-    if labour <= MANY_ROWS:
+    if model is None or not is_costly(evidence, model):
         return True
-    return len(trial.effects) < 2 and _samples(evidence) * labour <= MOST_ROWS
+    return len(trial.effects) < 2 and _rows(evidence, model) <= MOST_ROWS
 
 
-def _samples(evidence: Evidence) -> int:
-    return sum(len(recording) for recording in evidence.fitted)
+def _rows(evidence: Evidence, model: Model) -> int:
+    """Rows of coefficients that a simulation of all recordings takes; 0 without any force."""
+    samples = sum(len(recording) for recording in evidence.fitted)
+    return samples * _labour_of_forces(evidence, model)
 
 
 def _with(evidence: Evidence, trial: Trial, effect: str) -> Model | None:

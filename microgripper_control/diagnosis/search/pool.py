@@ -104,8 +104,8 @@ class Pool:
     def leaves_more(self, trial: Trial) -> bool:
         """Whether an explanation leaves more than a right law would."""
         floor = self.noise_floor
-        rest = removable(trial.both, floor)
-        return rest > max(UNEXPLAINED * floor, UNCLOSED * removable(self.refit.both, floor))
+        of_the_gap = UNCLOSED * removable(self.refit.both, floor)
+        return self.leaves_a_rest(trial) and removable(trial.both, floor) > of_the_gap
 
     @property
     def unexplained(self) -> bool:
