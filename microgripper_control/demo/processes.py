@@ -3,6 +3,10 @@
 They run with the same interpreter, in a DDS domain of their own that does not leave this machine: a
 demo must never move somebody's real gripper. Each is in a session of its own, so that Ctrl-C
 reaches the demo alone, which then ends them in order.
+
+While nodes run, SIGINT and SIGTERM take effect where they are waited for, and nowhere else. An
+interrupt inside `Popen` would lose the process that it starts, and one inside its `poll` the lock
+without which no later `wait` returns.
 """
 
 from __future__ import annotations
@@ -69,17 +73,22 @@ class Node:
 
 
 class Nodes:
-    """A set of running nodes; leaving the context ends all of them."""
+    """A set of running nodes; leaving the context ends all of them.
+
+    Within the context SIGINT and SIGTERM raise KeyboardInterrupt from `wait_for` and at its end.
+    """
 
     def __init__(self, log_folder: Path) -> None:
         log_folder.mkdir(parents=True, exist_ok=True)
         self._logs = log_folder
         self._running: list[Node] = []
         self._env: dict[str, str] = {}
-        self._domain = ExitStack()
+        self._interrupts: list[int] = []
+        self._around = ExitStack()
 
     def __enter__(self) -> Nodes:
-        domain = self._domain.enter_context(unused_domain())
+        domain = self._around.enter_context(unused_domain())
+        self._interrupts = self._around.enter_context(_interrupts_held_back())
         self._env = on_this_machine(domain) | {"ROS_LOG_DIR": str(self._logs / "ros")}
         return self
 
@@ -90,7 +99,7 @@ class Nodes:
         trace: TracebackType | None,
     ) -> None:
         # The last started depend on the first: the plant goes last.
-        with _interrupts_held_back(), self._domain:
+        with self._around:
             for node in reversed(self._running):
                 node.end()
 
@@ -101,15 +110,16 @@ class Nodes:
             words += ["--params-file", str(file)]
         for key, value in parameters.items():
             words += ["-p", f"{key}:={_literal(value)}"]
-        with _interrupts_held_back():  # else a process might run that is not in the list
-            node = Node(name, words, self._logs / f"{label or name}.log", self._env)
-            self._running.append(node)
+        node = Node(name, words, self._logs / f"{label or name}.log", self._env)
+        self._running.append(node)
         return node
 
     def wait_for(self, node: Node, timeout: float) -> None:
         """Wait until a node ends by itself; an error if it, or another one, fails."""
         deadline = time.monotonic() + timeout
         while node.status is None:
+            if self._interrupts:
+                raise KeyboardInterrupt
             for other in self._running:
                 other.check()
             if time.monotonic() > deadline:
@@ -127,8 +137,8 @@ class Nodes:
 
 
 @contextmanager
-def _interrupts_held_back() -> Iterator[None]:
-    """SIGINT and SIGTERM take effect at the end; a process started within takes its own."""
+def _interrupts_held_back() -> Iterator[list[int]]:
+    """SIGINT and SIGTERM take effect at the end; until then they are in the list."""
     held: list[int] = []
 
     def hold(number: int, frame: FrameType | None) -> None:
@@ -136,7 +146,7 @@ def _interrupts_held_back() -> Iterator[None]:
 
     before = {n: signal.signal(n, hold) for n in (signal.SIGINT, signal.SIGTERM)}
     try:
-        yield
+        yield held
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)

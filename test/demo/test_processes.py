@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import time
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
@@ -34,6 +35,36 @@ def test_an_interrupt_while_a_process_starts_still_ends_it(
     finally:
         signal.signal(signal.SIGINT, before)
     assert [node.status is not None for node in started] == [True]
+
+
+def test_an_interrupt_while_a_node_is_asked_how_it_is_does_not_reach_inside(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Raised inside `Popen.poll` it would leave a lock taken, and the node's end never come."""
+    returned: list[int | None] = []
+    status = Node.status.fget
+    assert status is not None
+
+    def interrupted(node: Node) -> int | None:
+        if not returned:
+            signal.raise_signal(signal.SIGINT)
+        returned.append(status(node))
+        return returned[-1]
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with ExitStack() as context:
+            nodes = context.enter_context(Nodes(tmp_path))
+            node = nodes.start("recorder", out=tmp_path / "bag")
+            monkeypatch.setattr(Node, "status", property(interrupted))
+            with pytest.raises(KeyboardInterrupt):
+                nodes.wait_for(node, 60.0)
+            with pytest.raises(KeyboardInterrupt):
+                context.close()
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert returned[0] is None
+    assert node.status is not None
 
 
 def test_a_node_that_fails_is_named_with_what_it_said(tmp_path: Path) -> None:
