@@ -129,20 +129,27 @@ def _from_all_starts(
     ]
     found = [fit for fit in fits if fit is not None and np.isfinite(fit.fitted_rmse)]
     near = any(fit.fitted_rmse < too_far for fit in found)
-    return [*found, *_gone_on_with(part, found, name)] if alone and near else found
+    if not (alone and near):
+        return found
+    return [*found, *_gone_on_with(part, found, name, FAR_OFF * scrutiny.known)]
 
 
-def _gone_on_with(part: Evidence, found: Sequence[Trial], name: str) -> list[Trial]:
+def _gone_on_with(
+    part: Evidence, found: Sequence[Trial], name: str, too_far: float
+) -> list[Trial]:
     """Longer fits of the best of each kind: of a costly effect's, of others' if it is a close race.
 
-    One by one, since the kind that is ahead after a few steps need not be the rig's.
+    One by one, since the kind that is ahead after a few steps need not be the rig's. A race that
+    only ends beyond `too_far`, m, is not run.
     """
     best = best_of_each_kind(found, name)
     if any(is_costly(part, fit.model) for fit in found):
         return [fit_on(part, fit, ROUGH, COSTLY_STEPS) for fit in best]
-    most = CLOSE_BEHIND * min(fit.fitted_rmse for fit in best)
-    running = [fit for fit in best if fit.fitted_rmse <= most]
-    return [fit_on(part, fit, ROUGH, STEPS) for fit in running] if len(running) > 1 else []
+    least = min(fit.fitted_rmse for fit in best)
+    running = [fit for fit in best if fit.fitted_rmse <= CLOSE_BEHIND * least]
+    if len(running) < 2 or least > too_far:
+        return []
+    return [fit_on(part, fit, ROUGH, STEPS) for fit in running]
 
 
 def _best_judged(evidence: Evidence, found: Sequence[Trial]) -> Trial:

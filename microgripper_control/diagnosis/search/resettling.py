@@ -5,9 +5,11 @@ The first periods have chosen where the fits go on from.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.fits.fitting import ROUGH, Base, base_of, refine
-from microgripper_control.diagnosis.fits.trial import Trial, judged, unfitted
+from microgripper_control.diagnosis.fits.trial import Trial, unfitted
 from microgripper_control.diagnosis.search.attempt import STEPS, Scrutiny, attempt, polish
 from microgripper_control.diagnosis.search.finishing import POLISHED, refined
 from microgripper_control.diagnosis.search.labour import is_costly
@@ -58,9 +60,9 @@ def again_if_settled(pool: Pool, jobs: int) -> Pool:
     return min(pool, settled, key=lambda one: min(t.rmse for t in (one.refit, *one.tried.values())))
 
 
-def _as_it_was(evidence: Evidence, trial: Trial) -> Trial:
-    """A trial judged with the same values on other evidence."""
-    return judged(evidence, unfitted(evidence, trial))
+def _as_it_was(settled: Evidence, trial: Trial) -> Trial:
+    """A trial with the same values on settled evidence, which is judged by the same samples."""
+    return replace(unfitted(settled, trial), errors=trial.errors)
 
 
 def _afresh(evidence: Evidence, base: Base, name: str) -> list[Trial]:
