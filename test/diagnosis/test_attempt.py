@@ -39,15 +39,19 @@ def test_the_best_of_each_kind_goes_on_and_no_other() -> None:
     assert [trial.fitted_rmse for trial in best_of_each_kind(found[:1], EFFECT)] == [50e-9]
 
 
-@pytest.mark.parametrize(("behind", "fitted_on"), [(46e-9, [40e-9, 46e-9]), (90e-9, [])])
+@pytest.mark.parametrize(
+    ("behind", "too_far", "fitted_on"),
+    [(46e-9, 60e-9, [40e-9, 46e-9]), (90e-9, 60e-9, []), (46e-9, 39e-9, [])],
+)
 def test_of_kinds_that_end_close_to_each_other_each_is_fitted_on(
-    behind: float, fitted_on: list[float], monkeypatch: pytest.MonkeyPatch
+    behind: float, too_far: float, fitted_on: list[float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """Where there is a race, and where it is not lost to another effect."""
     monkeypatch.setattr(attempts, "is_costly", lambda part, model: False)
     monkeypatch.setattr(attempts, "fit_on", lambda part, trial, tolerance, evaluations: trial)
     found = [fit(1.0, behind), fit(0.0, 40e-9), fit(0.0, 45e-9), fit(1.0, 99e-9)]
     nothing: Any = None
-    longer = attempts._gone_on_with(nothing, found, EFFECT)
+    longer = attempts._gone_on_with(nothing, found, EFFECT, too_far)
     assert sorted(trial.fitted_rmse for trial in longer) == fitted_on
 
 

@@ -134,9 +134,7 @@ def _from_all_starts(
     return [*found, *_gone_on_with(part, found, name, FAR_OFF * scrutiny.known)]
 
 
-def _gone_on_with(
-    part: Evidence, found: Sequence[Trial], name: str, too_far: float
-) -> list[Trial]:
+def _gone_on_with(part: Evidence, found: Sequence[Trial], name: str, too_far: float) -> list[Trial]:
     """Longer fits of the best of each kind: of a costly effect's, of others' if it is a close race.
 
     One by one, since the kind that is ahead after a few steps need not be the rig's. A race that
