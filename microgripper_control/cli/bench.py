@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.box import SIMPLE
 from rich.console import Console
-from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 from microgripper_control.cli.options import JsonOption
+from microgripper_control.cli.progress import progress_bar
 from microgripper_control.cli.stopping import sigterm_as_interrupt
 from microgripper_control.core.files import make_folder, written_whole
 
@@ -41,7 +39,7 @@ def bench(
     from microgripper_control.report.bench_figure import draw_bench
 
     make_folder(out)
-    with sigterm_as_interrupt(), _progress() as progress:
+    with sigterm_as_interrupt(), progress_bar(lines=True) as progress:
         found = run(Effort(out, quick, progress), only or ())
     picture = out / "performance.png"
     draw_bench(picture, found)
@@ -78,21 +76,3 @@ def show(found: Bench, console: Console) -> None:
             table.add_row(what, figure(line), f"{bound(line)}: {line.outcome}".strip(": "))
         console.print(table)
     console.print(f"{found.met} of {len(found.judged)} goals met")
-
-
-@contextmanager
-def _progress() -> Iterator[Callable[[str], None]]:
-    """What is measured, on standard error; line by line where that is no terminal."""
-    console = Console(stderr=True)
-    columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
-    with Progress(
-        *columns, console=console, transient=True, disable=not console.is_terminal
-    ) as bar:
-        task = bar.add_task("")
-
-        def tell(what: str) -> None:
-            bar.update(task, description=what)
-            if not console.is_terminal:
-                typer.echo(what, err=True)
-
-        yield tell

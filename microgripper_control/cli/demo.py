@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
 from microgripper_control.cli.demo_tables import (
     before_diagnosis,
@@ -19,7 +17,8 @@ from microgripper_control.cli.demo_tables import (
     sentences,
     tracking_table,
 )
-from microgripper_control.cli.diagnose import show, write_files
+from microgripper_control.cli.diagnose import show, trying, write_files
+from microgripper_control.cli.progress import progress_bar, step_by_step
 from microgripper_control.cli.stopping import sigterm_as_interrupt
 from microgripper_control.cli.tables import print_table
 from microgripper_control.core.errors import MicrogripperError
@@ -63,8 +62,9 @@ def demo(
 
 def _identify(out: Path, seed: int, console: Console) -> tuple[Model, Chapter]:
     """Control, record and identify: the model, and what came of it."""
-    with _progress() as bar:
-        advance = _steps(bar, "starting the plant and the recorder", len(MODES) + 3)
+    with progress_bar() as show_step:
+        advance = step_by_step(show_step, len(MODES) + 4)
+        advance("starting the plant and the recorder")
         experiment = run_experiment(out, seed, lambda what: advance(f"recording: {what}"))
         advance("identifying the model from the bag")
         recording = read_recording(experiment.bag)
@@ -93,15 +93,9 @@ def _identify(out: Path, seed: int, console: Console) -> tuple[Model, Chapter]:
 def _diagnose(out: Path, seed: int, identified: Model, console: Console) -> Chapter:
     """Break the rig, record it once more and find out from the bag what it was."""
     fault, folder = drawn_fault(seed), make_folder(out / "diagnosis")
-    with _progress() as bar:
-        advance = _steps(bar, "recording the rig once more", 2)
+    with progress_bar("recording the rig once more") as show_step:
         recording = read_recording(record_fault(out, fault, seed))
-        advance("diagnosing")
-
-        def tried(what: str, done: int, total: int) -> None:
-            bar.update(bar.task_ids[0], description=f"diagnosing: {what or 'trying effects'}")
-
-        found = diagnose(identified, [recording], progress=tried)
+        found = diagnose(identified, [recording], progress=trying(show_step))
         write_files(found, folder)
         before_after = out / "gap.png"
         draw_gap(before_after, found)
@@ -131,24 +125,3 @@ def _print(chapter: Chapter, console: Console) -> None:
         print_table(console, shown.header, shown.rows, title=shown.title)
     for note in chapter.notes:
         console.print(note)
-
-
-def _steps(bar: Progress, first: str, total: int) -> Callable[[str], None]:
-    """Begin a task; what is returned begins its next step."""
-    task = bar.add_task(first, total=total)
-
-    def advance(what: str) -> None:
-        bar.update(task, description=what, advance=1)
-
-    return advance
-
-
-def _progress() -> Progress:
-    return Progress(
-        SpinnerColumn(),
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TimeElapsedColumn(),
-        console=Console(stderr=True),
-        transient=True,
-    )

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
 from microgripper_control.cli.options import (
     HoldOption,
@@ -22,6 +20,7 @@ from microgripper_control.cli.options import (
     read_all,
     read_model,
 )
+from microgripper_control.cli.progress import Show, progress_bar
 from microgripper_control.cli.tables import print_table
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.files import make_folder
@@ -38,7 +37,7 @@ from microgripper_control.diagnosis.result_file import (
     as_json,
     write_result,
 )
-from microgripper_control.diagnosis.search.rounds import Progress as OnProgress
+from microgripper_control.diagnosis.search.rounds import Progress
 from microgripper_control.diagnosis.search.schedule import cluster
 from microgripper_control.effects.registry import link_named
 from microgripper_control.identification.nuisance import Conditions
@@ -90,9 +89,10 @@ def diagnose(
     make_folder(out)
     given, kept_apart = read_all(recordings, nominal, maps), read_all(judging, nominal, maps)
     refuse_twice([*given, *kept_apart])
-    with cluster(scheduler), _progress() as on_progress:
+    conditions = Conditions(hold, initial)
+    with cluster(scheduler), progress_bar("nominal model, refit and noise floor") as show_step:
         found = find_causes(
-            nominal, given, kept_apart, Conditions(hold, initial), on_progress, jobs, left_out
+            nominal, given, kept_apart, conditions, trying(show_step), jobs, left_out
         )
     write_files(found, out, maps or ())
     if json_:
@@ -152,14 +152,6 @@ def spread_heldout(arguments: Sequence[str]) -> list[str]:
     return spread
 
 
-@contextmanager
-def _progress() -> Iterator[OnProgress]:
-    """A bar on standard error that names what has been tried."""
-    columns = (SpinnerColumn(), BarColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("nominal model, refit and noise floor", total=None)
-
-        def advance(what: str, done: int, total: int) -> None:
-            bar.update(task, description=what or "trying effects", completed=done, total=total)
-
-        yield advance
+def trying(show_step: Show) -> Progress:
+    """Shows which effect has been tried, of those tried now."""
+    return lambda what, done, total: show_step(what or "trying effects", done, total)

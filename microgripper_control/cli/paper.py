@@ -7,10 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from microgripper_control.cli.options import JsonOption
+from microgripper_control.cli.progress import progress_bar, step_by_step
 from microgripper_control.core.files import make_folder
 
 if TYPE_CHECKING:
@@ -30,13 +29,8 @@ def paper(
     from microgripper_control.report.paper_page import write_report
 
     make_folder(out)
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("", total=STAGES + CHAPTERS)
-
-        def progress(stage: str) -> None:
-            bar.update(task, description=stage, advance=1)
-
+    with progress_bar() as show_step:
+        progress = step_by_step(show_step, STAGES + CHAPTERS)
         result = reproduce(progress)
         page = write_report(result, out, progress)
     if json_:

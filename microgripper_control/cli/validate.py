@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from microgripper_control.cli.options import JobsOption, JsonOption
+from microgripper_control.cli.progress import Show, progress_bar
 from microgripper_control.cli.stopping import sigterm_as_interrupt
 from microgripper_control.cli.tables import print_table
 from microgripper_control.core.files import make_folder
@@ -68,8 +66,12 @@ def validate(
     if extent.caution:
         typer.echo(f"warning: {extent.caution}", err=True)
     root = make_folder(out)
-    with sigterm_as_interrupt(), cluster(scheduler), _progress() as on_progress:
-        records = run(root, planned, on_progress, jobs, asked=extent.of(planned))
+    with (
+        sigterm_as_interrupt(),
+        cluster(scheduler),
+        progress_bar("the first cases", lines=True) as show_step,
+    ):
+        records = run(root, planned, _counting(show_step), jobs, asked=extent.of(planned))
     found = score(Folder(root.resolve()), records)
     content = as_json(found, extent)
     write_json(root / "validation.json", content)
@@ -102,28 +104,14 @@ def show(found: Score, console: Console) -> None:
         console.print(f"{name}: {outcome}: {why}", markup=False)
 
 
-@contextmanager
-def _progress() -> Iterator[OnProgress]:
-    """A bar on standard error with the time left; one line a case where that is no terminal."""
-    console = Console(stderr=True)
-    columns = (
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn("{task.description}"),
-        TimeElapsedColumn(),
-    )
-    with Progress(
-        *columns, console=console, transient=True, disable=not console.is_terminal
-    ) as bar:
-        task = bar.add_task("the first cases", total=None)
+def _counting(show_step: Show) -> OnProgress:
+    """Shows how many cases are done, and the time left."""
 
-        def advance(done: int, total: int, left: float | None) -> None:
-            text = "" if left is None else f"about {_time(left)} left"
-            bar.update(task, description=text, completed=done, total=total)
-            if not console.is_terminal:
-                typer.echo(f"{done} of {total} cases {text}".rstrip(), err=True)
+    def advance(done: int, total: int, left: float | None) -> None:
+        text = "" if left is None else f", about {_time(left)} left"
+        show_step(f"{done} of {total} cases{text}", done, total)
 
-        yield advance
+    return advance
 
 
 def _time(seconds: float) -> str:
