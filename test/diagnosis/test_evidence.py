@@ -90,15 +90,16 @@ def test_pieces_are_recordings_of_their_own() -> None:
     assert {run.name for run in pieces.fitted} == {"long", "short"}
 
 
+@pytest.mark.parametrize("initial", [Initial.REST, Initial.PERIODIC])
 @pytest.mark.parametrize("separate", [True, False])
-def test_pieces_of_a_run_from_rest_do_not_begin_at_rest(separate: bool) -> None:
+def test_pieces_begin_as_the_rig_happened_to_be(separate: bool, initial: Initial) -> None:
     """From rest, the right model would be off by the hysteresis of the way that was cut off."""
-    whole = gathered(separate, Initial.REST)
+    whole = gathered(separate, initial)
     pieces = whole.pieces(40_000)
     trial = unfitted(pieces, moved(pieces, Trial(pieces.nominal, (), (), np.inf)))
     assert trial.fitted_rmse < 1e-9
-    from_rest = replace(pieces, conditions=whole.conditions)
-    assert unfitted(from_rest, moved(from_rest, trial)).fitted_rmse > 2e-8
+    as_begun = replace(pieces, conditions=whole.conditions)
+    assert unfitted(as_begun, moved(as_begun, trial)).fitted_rmse > 2e-8
 
 
 @pytest.mark.parametrize("separate", [True, False])

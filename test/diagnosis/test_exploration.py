@@ -83,6 +83,14 @@ def test_in_the_place_of_one_of_two_is_tried_what_explains_as_much_alone(
     exploration._exchange(names, pool, lambda *done: None, 1)
     beside_creep = [("creep", "saturation"), ("creep", "nonlinear_stiffness")]
     assert played == [*beside_creep, ("contact", "saturation")]  # beside a costly one few
+    costly.add(("nonlinear_stiffness",))
+    played.clear()
+    exploration._exchange(names, pool, lambda *done: None, 1)
+    assert played == [*beside_creep, ("contact", "saturation")]
+    costly.remove(("contact",))  # a costly one takes a costly one's place, and no other
+    played.clear()
+    exploration._exchange(names, pool, lambda *done: None, 1)
+    assert played == [("creep", "saturation"), ("contact", "saturation")]
     closed["contact", "creep"] = 0.60  # a second effect that adds little is not worth it
     played.clear()
     exploration._exchange(names, pool, lambda *done: None, 1)

@@ -146,10 +146,8 @@ class Evidence:
         """The same with about `most` samples to fit and as many that judge.
 
         Of longer recordings pieces are kept, each as a recording of its own that begins as the rig
-        happened to be, not from rest. A period is not cut.
+        happened to be: neither from rest nor where a period ends.
         """
-        if self.conditions.initial is Initial.PERIODIC:
-            return self
         conditions = replace(self.conditions, initial=Initial.FIRST_SAMPLE)
         cut = partial(_pieces_of, most=most, conditions=conditions, anywhere=self.separate)
         fitted, used = cut(self.fitted, self.used)

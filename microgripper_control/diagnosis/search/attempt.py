@@ -34,11 +34,11 @@ FAR_OFF = 2.0  # times what is hopeless: a first fit that leaves more is not gon
 LITTLE_TAKEN = 0.99  # of a part's residual: if nothing is wanting, what leaves more is no way on
 FALLEN_SHORT = 1.2  # times what a guess had promised: a fit that leaves more has gone astray
 CLOSE_BEHIND = 1.2  # times what the best kind of a law leaves: another that is fitted on as well
-COSTLY_STEPS = 8  # where samples are costly: first with the base's derivatives kept, then fresh
+ROUND_STEPS = 8  # of a round of a longer fit, all derivatives fresh
 CARRIED = 2  # fits of a part of the samples that are tried on all; of an effect that joins, one
 SETTLING_IN = 5  # steps with the same derivatives, from a part of the samples to all of them
 MISLED = 1.5  # times what is left of a part: where all samples leave more, it has misled the fit
-ROUNDS, FALLING = 5, 0.8  # of a misled fit, as long as each leaves so much of what was left
+ROUNDS, FALLING = 5, 0.8  # of a long fit, as long as each leaves less than so much of the last
 
 
 class Scrutiny(NamedTuple):
@@ -135,19 +135,20 @@ def _from_all_starts(
 
 
 def _gone_on_with(part: Evidence, found: Sequence[Trial], name: str, too_far: float) -> list[Trial]:
-    """Longer fits of the best of each kind: of a costly effect's, of others' if it is a close race.
+    """Longer fits of the best of each kind: of a costly effect's, and of all in a close race.
 
-    One by one, since the kind that is ahead after a few steps need not be the rig's. A race that
-    only ends beyond `too_far`, m, is not run.
+    The kind that is ahead after a few steps need not be the rig's, so those close to it are fitted
+    as long as they fall; but a race that is only won beyond `too_far`, m, is not run.
     """
     best = best_of_each_kind(found, name)
+    longer: list[Trial] = []
     if any(is_costly(part, fit.model) for fit in found):
-        return [fit_on(part, fit, ROUGH, COSTLY_STEPS) for fit in best]
+        best = longer = [fit_on(part, fit, ROUGH, ROUND_STEPS) for fit in best]
     least = min(fit.fitted_rmse for fit in best)
     running = [fit for fit in best if fit.fitted_rmse <= CLOSE_BEHIND * least]
     if len(running) < 2 or least > too_far:
-        return []
-    return [fit_on(part, fit, ROUGH, STEPS) for fit in running]
+        return longer
+    return [*longer, *(_while_it_falls(part, fit) for fit in running)]
 
 
 def _best_judged(evidence: Evidence, found: Sequence[Trial]) -> Trial:
@@ -186,6 +187,8 @@ def _carried(
     whole = fit_on(evidence, whole, ROUGH, SETTLING_IN, fresh=())
     if least >= scrutiny.known or whole.fitted_rmse <= MISLED * least:
         return whole
+    # Stretches do not show a force what it remembers from before them: where its memory is long,
+    # the way back from what they made of it is long as well.
     more = evidence.pieces(MANY)
     others = [moved(more, fit) for fit in best_of_each_kind(found, name)]
     further = _least([_while_it_falls(more, fit) for fit in others])
@@ -201,14 +204,10 @@ def _on_all(evidence: Evidence, fits: Sequence[Trial]) -> Trial | None:
 
 
 def _while_it_falls(evidence: Evidence, trial: Trial) -> Trial:
-    """Fit what a part has misled on more samples, in rounds.
-
-    Stretches do not show a force what it remembers from before them: where its memory is long, the
-    way back from what they made of it is long as well.
-    """
+    """Fit on in rounds, as long as each leaves clearly less than the one before."""
     left = math.inf
     for _ in range(ROUNDS):
-        trial = fit_on(evidence, trial, ROUGH, COSTLY_STEPS)
+        trial = fit_on(evidence, trial, ROUGH, ROUND_STEPS)
         if not trial.fitted_rmse < FALLING * left:
             break
         left = trial.fitted_rmse

@@ -173,7 +173,7 @@ def _exchange(names: Sequence[str], pool: Pool, progress: Progress, jobs: int) -
         replaced, kept = pool.tried.get(frozenset([name])), pool.tried.get(pair - {name})
         if not (replaced and kept):
             continue
-        others = _untried_beside(kept, names, pool)
+        others = _as_cheap(replaced, _untried_beside(kept, names, pool), pool)
         if not wanting or is_costly(pool.evidence, kept.model):
             others = _alike(replaced, others, pool)
         if others:
@@ -182,15 +182,21 @@ def _exchange(names: Sequence[str], pool: Pool, progress: Progress, jobs: int) -
 
 
 def _untried_beside(kept: Trial, names: Sequence[str], pool: Pool) -> list[str]:
-    """The effects of `names`, but costly ones, not tried beside `kept`; what closes most first."""
+    """The effects of `names` that were not tried beside `kept`; what closes most first."""
     beside = frozenset(kept.effects) - pool.own
     return [
         name
         for name in strongest(names, pool)
-        if name not in beside
-        and beside | {name} not in pool.tried
-        and not is_costly(pool.evidence, pool.tried[frozenset([name])].model)
+        if name not in beside and beside | {name} not in pool.tried
     ]
+
+
+def _as_cheap(replaced: Trial, names: Sequence[str], pool: Pool) -> list[str]:
+    """The effects of `names` without costly ones, unless `replaced` is costly itself."""
+    if is_costly(pool.evidence, replaced.model):
+        return list(names)
+    trials = {name: pool.tried[frozenset([name])] for name in names}
+    return [name for name in names if not is_costly(pool.evidence, trials[name].model)]
 
 
 def _alike(replaced: Trial, names: Sequence[str], pool: Pool) -> list[str]:
