@@ -160,4 +160,6 @@ def _literal(value: object) -> str:
         return str(value).lower()
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(map(_literal, value)) + "]"
-    return str(value)
+    if isinstance(value, (int, float)):
+        return str(value)
+    return "'{}'".format(str(value).replace("'", "''"))
