@@ -82,6 +82,11 @@ def test_what_is_short_enough_stays_as_it_is() -> None:
     assert whole.pieces(200_000) is whole
 
 
+def test_what_is_short_enough_stays_as_it_is_beside_a_clock_of_the_sensor() -> None:
+    clocked = gathered(False).clocked(1e-3, [0.0, 0.0])
+    assert clocked.pieces(200_000) is clocked
+
+
 def test_pieces_are_recordings_of_their_own() -> None:
     pieces = gathered(True).pieces(40_000)
     assert sum(map(len, pieces.fitted)) == pytest.approx(40_000, rel=0.1)

@@ -15,6 +15,8 @@ from microgripper_control.diagnosis.search import exploration, resettling, round
 from microgripper_control.plant.model import nominal_model
 from microgripper_control.plant.simulate import simulate
 
+EVIDENCE: Any = SimpleNamespace(nominal=nominal_model())
+
 
 def test_on_settled_evidence_no_effect_is_tried_beside_itself(
     monkeypatch: pytest.MonkeyPatch,
@@ -62,11 +64,11 @@ def test_in_the_place_of_one_of_two_is_tried_what_explains_as_much_alone(
         played.extend((bases[0].effects[0], name) for name in names)
 
     monkeypatch.setattr(exploration, "is_costly", lambda evidence, model: model in costly)
+    monkeypatch.setattr(exploration, "may_join", lambda evidence, trial, effect: True)
     monkeypatch.setattr(exploration, "base_of", lambda evidence, trial: trial)
     monkeypatch.setattr(exploration, "play", play)
     pool: Any = SimpleNamespace(
-        evidence=None,
-        own=frozenset(),
+        evidence=EVIDENCE,
         tried=tried,
         closed=lambda trial: closed[trial.effects],
         leaves_a_rest=lambda trial: rest[0],
@@ -107,7 +109,7 @@ def test_what_would_leave_nearly_all_is_not_fitted_unless_it_is_strong_or_shows(
 
     monkeypatch.setattr(rounds, "promise", promise)
     strongest = SimpleNamespace(effects=("friction",))
-    pool: Any = SimpleNamespace(tried={}, best=lambda size, count: [strongest])
+    pool: Any = SimpleNamespace(evidence=EVIDENCE, tried={}, best=lambda size, count: [strongest])
     nothing: Any = None
     ways = rounds._promising(nothing, nothing, list(left), ["mains_hum"], pool, 1)
     assert ways == ["creep", "friction", "mains_hum"]
@@ -117,9 +119,8 @@ def test_what_promises_most_is_fitted_first(monkeypatch: pytest.MonkeyPatch) -> 
     """Of few places none is left for it where the strong ones and those that show come first."""
     left = {"creep": 0.9, "contact": 0.8, "nonlinear_stiffness": 0.7, "backlash": 0.75}
     monkeypatch.setattr(rounds, "promise", lambda *given: (given[2], left[given[2]]))
-    pool: Any = SimpleNamespace(
-        tried={}, best=lambda size, count: [SimpleNamespace(effects=("creep", "contact"))]
-    )
+    strongest = [SimpleNamespace(effects=(name,)) for name in ("creep", "contact")]
+    pool: Any = SimpleNamespace(evidence=EVIDENCE, tried={}, best=lambda size, count: strongest)
     nothing: Any = None
     ways = rounds._promising(nothing, nothing, list(left), (), pool, 1)
     assert ways == ["nonlinear_stiffness", "contact", "creep", "backlash"]
@@ -133,7 +134,7 @@ def test_an_effect_that_shows_may_lead_from_further_behind(monkeypatch: pytest.M
     )
     closed = {"creep": 0.50, "thermal_drift": 0.34}
     pool: Any = SimpleNamespace(
-        evidence=None,
+        evidence=EVIDENCE,
         closed=lambda trial: closed[trial.effects[0]],
         best=lambda size, count: [creep] if size == 1 else [],
         leaves_more=lambda trial: True,
@@ -170,8 +171,7 @@ def test_beside_a_force_that_takes_long_few_are_tried_unless_it_leaves_much(
         for name in ("friction", "backlash", "contact", "creep")
     )
     pool: Any = SimpleNamespace(
-        evidence=None,
-        own=frozenset(),
+        evidence=EVIDENCE,
         tried={frozenset(trial.effects): trial for trial in (friction, *others)},
         closed=lambda trial: closed,
         best=lambda size, count: [friction, *others],

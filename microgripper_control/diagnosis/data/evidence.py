@@ -145,8 +145,9 @@ class Evidence:
     def pieces(self, most: int) -> Evidence:
         """The same with about `most` samples to fit and as many that judge.
 
-        Of longer recordings pieces are kept, each as a recording of its own that begins as the rig
-        happened to be: neither from rest nor where a period ends.
+        There are more where many recordings each keep few. Of longer ones pieces are kept, each as
+        a recording of its own that begins as the rig happened to be: neither from rest nor where a
+        period ends.
         """
         conditions = replace(self.conditions, initial=Initial.FIRST_SAMPLE)
         cut = partial(_pieces_of, most=most, conditions=conditions, anywhere=self.separate)
@@ -154,7 +155,8 @@ class Evidence:
         judged, compared = fitted, _all(fitted)
         if self.separate:
             judged, compared = cut(self.judged, self.compared)
-        if (fitted is self.fitted and judged is self.judged) or not (fitted and judged):
+        uncut = fitted is self.fitted and (judged is self.judged or not self.separate)
+        if uncut or not (fitted and judged):
             return self
         return replace(
             self,

@@ -16,6 +16,7 @@ import numpy as np
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.data.evidence import Evidence, rms
 from microgripper_control.diagnosis.data.noise import innovation, quietest
+from microgripper_control.effects.base import Values
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.nuisance import fit_nuisance
 from microgripper_control.identification.problem import Problem
@@ -61,6 +62,18 @@ class Trial:
 def evenly(judged: float, fitted: float) -> float:
     """Two errors as one, m rms, with as much weight for each."""
     return math.hypot(judged, fitted) / math.sqrt(2.0)
+
+
+def added(evidence: Evidence, trial: Trial) -> frozenset[str]:
+    """The effects of a trial that the nominal model has not."""
+    return frozenset(trial.effects).difference(evidence.nominal.effects)
+
+
+def with_guess(model: Model, effect: str, values: Values) -> Model:
+    """The model with an effect, as far towards a guess as its parameters' ranges allow."""
+    link = registry()[effect]
+    inside = {name: link.parameter(name).nearest(value) for name, value in values.items()}
+    return model.with_link(effect, **inside)
 
 
 def fitted_keys(model: Model, links: Sequence[str]) -> tuple[Key, ...]:

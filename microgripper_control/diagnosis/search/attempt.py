@@ -17,7 +17,15 @@ from microgripper_control.diagnosis.data.evidence import Evidence, rms
 from microgripper_control.diagnosis.data.grid import refuted
 from microgripper_control.diagnosis.data.noise import removable
 from microgripper_control.diagnosis.fits.fitting import ROUGH, Base, begun, extend, fit_on, half_way
-from microgripper_control.diagnosis.fits.trial import Trial, evenly, judged, moved, unfitted
+from microgripper_control.diagnosis.fits.trial import (
+    Trial,
+    added,
+    evenly,
+    judged,
+    moved,
+    unfitted,
+    with_guess,
+)
 from microgripper_control.diagnosis.search.beginning import begun_from_nothing
 from microgripper_control.diagnosis.search.finishing import refined
 from microgripper_control.diagnosis.search.labour import is_costly
@@ -30,7 +38,7 @@ from microgripper_control.identification.nuisance import Projection
 STARTS, MOST_STARTS = 2, 4  # best first guesses that are fitted,
 ENOUGH = 60_000  # samples times guesses: few samples take many
 STEPS = 12  # of a fit from a first guess, at most
-FAR_OFF = 2.0  # times what is hopeless: a first fit that leaves more is not gone on with
+FAR_OFF = 2.0  # times what is hopeless, or is known: what leaves more is not gone on with
 LITTLE_TAKEN = 0.99  # of a part's residual: if nothing is wanting, what leaves more is no way on
 FALLEN_SHORT = 1.2  # times what a guess had promised: a fit that leaves more has gone astray
 CLOSE_BEHIND = 1.2  # times what the best kind of a law leaves: another that is fitted on as well
@@ -47,7 +55,7 @@ class Scrutiny(NamedTuple):
     samples: int  # on which a costly one is fitted first
     starts: int = MOST_STARTS
     hopeless: float = math.inf  # m: what leaves more is fitted no further
-    known: float = 0.0  # m, what the best of the others leaves
+    known: float = math.inf  # m, what the best of the others leaves
     alone: Sequence[Values] = ()  # what an effect that joins others was by itself
 
     def where_shown(self, base: float, shown: float) -> Scrutiny:
@@ -101,11 +109,12 @@ def _attempt(
     found.sort(key=lambda trial: trial.fitted_rmse)
     if part is evidence:
         return _best_judged(evidence, found), ""
-    if anchors[0].trial.effects:
-        found, scrutiny = found[:1], scrutiny._replace(known=0.0)
+    joins = bool(added(evidence, anchors[0].trial))
+    if joins:
+        found = found[:1]
     elif math.isfinite(scrutiny.hopeless) and found[0].fitted_rmse > _left_by_nothing(anchors[0]):
         return None, "takes nothing away of what a part of the samples shows"
-    whole = _carried(evidence, found, name, scrutiny)
+    whole = _carried(evidence, found, name, scrutiny, anew=not joins)
     if whole is None:
         return None, "diverges where it was not fitted"
     return judged(evidence, whole), ""
@@ -118,7 +127,7 @@ def _from_all_starts(
     samples = sum(int(np.count_nonzero(used)) for used in part.used)
     wanted = min(scrutiny.starts, max(STARTS, ENOUGH // samples))
     starts = guesses(part, anchors, name, wanted, scrutiny.alone)
-    alone = not anchors[0].trial.effects
+    alone = not added(part, anchors[0].trial)
     too_far = FAR_OFF * scrutiny.hopeless
     if alone and math.isfinite(too_far):
         too_far = min(too_far, _left_by_nothing(anchors[0]))
@@ -171,11 +180,11 @@ def _left_by_nothing(base: Base) -> float:
 
 
 def _carried(
-    evidence: Evidence, found: Sequence[Trial], name: str, scrutiny: Scrutiny
+    evidence: Evidence, found: Sequence[Trial], name: str, scrutiny: Scrutiny, *, anew: bool
 ) -> Trial | None:
     """The best fit on all samples of those that were found on a part, best first.
 
-    None if all diverge there.
+    Where the part has misled them, the best of each kind is fitted `anew`. None if all diverge.
     """
     least = found[0].fitted_rmse
     if least >= scrutiny.hopeless:
@@ -185,7 +194,7 @@ def _carried(
     if whole is None:
         return None
     whole = fit_on(evidence, whole, ROUGH, SETTLING_IN, fresh=())
-    if least >= scrutiny.known or whole.fitted_rmse <= MISLED * least:
+    if not anew or least >= scrutiny.known or whole.fitted_rmse <= MISLED * least:
         return whole
     # Stretches do not show a force what it remembers from before them: where its memory is long,
     # the way back from what they made of it is long as well.
@@ -246,7 +255,7 @@ def _fit_from(evidence: Evidence, guess: Guess, name: str, too_far: float) -> Tr
 
 def behind(evidence: Evidence, trial: Trial, name: str) -> Trial:
     """A trial with an effect added that changes nothing in the fit."""
-    model = trial.model.with_link(name, **registry()[name].starts(evidence.scales)[0])
+    model = with_guess(trial.model, name, registry()[name].starts(evidence.scales)[0])
     return judged(evidence, replace(trial, model=model))
 
 

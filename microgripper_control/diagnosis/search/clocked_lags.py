@@ -11,7 +11,13 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from microgripper_control.diagnosis.data.evidence import Evidence
-from microgripper_control.diagnosis.fits.trial import Trial, fitted_keys, unfitted
+from microgripper_control.diagnosis.fits.trial import (
+    Trial,
+    added,
+    fitted_keys,
+    unfitted,
+    with_guess,
+)
 from microgripper_control.diagnosis.search.finishing import POLISHED, refined
 from microgripper_control.diagnosis.search.pool import Pool
 from microgripper_control.diagnosis.search.schedule import side_by_side
@@ -81,8 +87,7 @@ def _on_clock(lag: Trial, evidence: Evidence, ahead: float) -> Trial:
 
 def _clocked(trial: Trial, evidence: Evidence) -> list[str]:
     """The effects that a trial adds and that may read on a clock of the sensor's own."""
-    own = evidence.nominal.effects
-    return [name for name in trial.effects if name not in own and registry()[name].clocked]
+    return [name for name in sorted(added(evidence, trial)) if registry()[name].clocked]
 
 
 def _guesses(lag: Trial, name: str, evidence: Evidence, ahead: float) -> Iterator[Model]:
@@ -94,4 +99,4 @@ def _guesses(lag: Trial, name: str, evidence: Evidence, ahead: float) -> Iterato
     yield own
     for values in registry()[name].starts(evidence.scales):
         if values.get("clock", 0.0) > 0.0:
-            yield lag.model.with_link(name, **values)
+            yield with_guess(lag.model, name, values)

@@ -6,13 +6,14 @@ kept, and how probable each is follows from all of them together (see `weighing`
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence, Set
 from dataclasses import replace
 
 from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.data.residuals import fitted_residuals
 from microgripper_control.diagnosis.fits.fitting import base_of
-from microgripper_control.diagnosis.fits.trial import Trial
+from microgripper_control.diagnosis.fits.trial import Trial, added
 from microgripper_control.diagnosis.search.attempt import behind
 from microgripper_control.diagnosis.search.clocked_lags import on_the_sensors_clock
 from microgripper_control.diagnosis.search.finishing import POLISHED, refined
@@ -63,12 +64,13 @@ def alone(
     far = replace(nominal, free=refit.free)  # from where it is, but no parameter stays there
     bases = [base_of(evidence, trial) for trial in (refit, *others, far)]
     # From cheap to costly: a look is enough at what costs more and has nothing left to explain.
-    costly = [name for name in names if is_costly_with(evidence, refit, name)]
-    first = [n for n in names if _is_first(n, evidence, refit)]
+    first = [name for name in names if _is_first(name, evidence, refit)]
+    rest = [name for name in names if name not in first]
+    costly = [name for name in rest if is_costly_with(evidence, refit, name)]
     play(evidence, bases, first, len(first), pool, progress, jobs)
     pool = on_the_sensors_clock(pool, jobs)
     evidence = pool.evidence
-    for some in ([name for name in names if name not in (*first, *costly)], costly):
+    for some in ([name for name in rest if name not in costly], costly):
         play(evidence, bases, some, len(some), pool, progress, jobs)
     return again_if_settled(pool, jobs)
 
@@ -120,7 +122,7 @@ def _worth_joining(pool: Pool, size: int) -> bool:
 
 def _adds_much(trial: Trial, pool: Pool) -> bool:
     """Whether an explanation closes a fair part of the gap more than any with an effect less."""
-    size = len(frozenset(trial.effects) - pool.own)
+    size = len(added(pool.evidence, trial))
     return pool.closed(trial) - pool.closed(pool.best(size - 1, 1)[0]) > FAIR_PART
 
 
@@ -131,7 +133,7 @@ def _may_lead(leader: Trial, pool: Pool, size: int, shown: Set[str]) -> bool:
         return False
     best = pool.best(size, 1)
     near = RIVAL_IF_COSTLY if costly else RIVAL
-    if not costly and not shown.isdisjoint(leader.effects):
+    if not costly and not shown.isdisjoint(added(pool.evidence, leader)):
         near = RIVAL_IF_SHOWN
     if pool.closed(leader) < near * pool.closed(best[0]):
         return False
@@ -141,7 +143,7 @@ def _may_lead(leader: Trial, pool: Pool, size: int, shown: Set[str]) -> bool:
 def _join(leader: Trial, names: Sequence[str], pool: Pool, progress: Progress, jobs: int) -> None:
     """Add each of some effects to a leader once it has been fitted to the end."""
     evidence = pool.evidence
-    third = len(frozenset(leader.effects) - pool.own) > 1
+    third = len(added(evidence, leader)) > 1
     most = SECONDS_IF_COSTLY if is_costly(evidence, leader.model) else THIRDS if third else SECONDS
     leader = refined(evidence, leader, POLISHED, 60)
     pool.add(leader)
@@ -149,7 +151,7 @@ def _join(leader: Trial, names: Sequence[str], pool: Pool, progress: Progress, j
         name for name in names if name not in leader.effects and may_join(evidence, leader, name)
     ]
     if is_long(evidence, leader.model) and 1.0 - pool.closed(leader) < UNCLOSED_IF_LONG:
-        beside = frozenset(leader.effects) - pool.own
+        beside = added(evidence, leader)
         new = [name for name in rest if beside | {name} not in pool.tried]
         rest = strongest(new, pool)[:SECONDS_IF_LONG]
     if not rest:
@@ -162,12 +164,13 @@ def _exchange(names: Sequence[str], pool: Pool, progress: Progress, jobs: int) -
     """Try in the place of each of the best two effects what explained about as much alone.
 
     Which of them led was chosen without the other, whose part of the gap misled both. Where the two
-    leave more than noise, what promises most beside either is tried, unless that is costly.
+    leave more than noise, what promises most beside either is tried, alike or not, unless the one
+    that stays is costly. What is costly only takes a costly one's place.
     """
     best = pool.best(2, 1)
     if not best or not _adds_much(best[0], pool):
         return
-    pair = frozenset(best[0].effects) - pool.own
+    pair = added(pool.evidence, best[0])
     wanting = pool.leaves_a_rest(best[0])
     for name in sorted(pair):
         replaced, kept = pool.tried.get(frozenset([name])), pool.tried.get(pair - {name})
@@ -182,12 +185,14 @@ def _exchange(names: Sequence[str], pool: Pool, progress: Progress, jobs: int) -
 
 
 def _untried_beside(kept: Trial, names: Sequence[str], pool: Pool) -> list[str]:
-    """The effects of `names` that were not tried beside `kept`; what closes most first."""
-    beside = frozenset(kept.effects) - pool.own
+    """The effects of `names` that may join `kept` and did not yet; what closes most first."""
+    beside = added(pool.evidence, kept)
     return [
         name
         for name in strongest(names, pool)
-        if name not in beside and beside | {name} not in pool.tried
+        if name not in beside
+        and beside | {name} not in pool.tried
+        and may_join(pool.evidence, kept, name)
     ]
 
 
@@ -215,14 +220,14 @@ def _shown_by(leader: Trial, pool: Pool) -> list[str]:
 def _check_backwards(pool: Pool) -> None:
     """Try the best explanation without each of its effects, briefly what was tried before."""
     best = min([pool.refit, *pool.tried.values()], key=lambda trial: trial.both)
-    added = [name for name in best.effects if name not in pool.own]
-    if len(added) < 2:
+    effects = added(pool.evidence, best)
+    if len(effects) < 2:
         return
-    for name in added:
+    for name in sorted(effects):
         model = best.model.without([name])
         free = tuple(key for key in best.free if key[0] != name)
-        start = Trial(model, free, best.initial_hysteresis, best.fitted_rmse)
-        known = frozenset(best.effects) - pool.own - {name} in pool.tried
+        start = Trial(model, free, best.initial_hysteresis, math.inf)
+        known = effects - {name} in pool.tried
         pool.add(refined(pool.evidence, start, POLISHED, 4 if known else 15))
 
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.fits.fitting import fit_on, refine
-from microgripper_control.diagnosis.fits.trial import Trial, judged_once
+from microgripper_control.diagnosis.fits.trial import Trial, added, judged_once
 from microgripper_control.diagnosis.search.labour import is_costly
 from microgripper_control.diagnosis.search.stretches import MANY
 
@@ -27,13 +27,14 @@ MOST_ROUNDS = 3
 def refined(evidence: Evidence, trial: Trial, tolerance: float, evaluations: int) -> Trial:
     """Fit on and judge what comes out; with a costly force in rounds, with fewer derivatives.
 
-    Those by the base parameters are taken once, or once a round. A costly force by itself, and few
-    samples, are fitted to the end: it bends while it is fitted, and gets there late.
+    Those by the base parameters are taken once, or once a round, which has an `Effort` of its own.
+    A costly force by itself, and few samples, are fitted to the end: it bends while it is fitted,
+    and gets there late.
     """
     if not is_costly(evidence, trial.model):
         return refine(evidence, trial, tolerance, evaluations)
     few = sum(len(recording) for recording in evidence.fitted) <= MANY
-    effort = TO_THE_END if few and len(trial.effects) == 1 else BRIEFLY
+    effort = TO_THE_END if few and len(added(evidence, trial)) == 1 else BRIEFLY
     for _ in range(MOST_ROUNDS):
         before = trial.fitted_rmse
         trial = fit_on(evidence, trial, effort.tolerance, effort.evaluations, fresh=trial.effects)

@@ -10,7 +10,7 @@ import numpy as np
 
 from microgripper_control.core.signals import ROWS
 from microgripper_control.diagnosis.data.evidence import Evidence
-from microgripper_control.diagnosis.fits.trial import Trial
+from microgripper_control.diagnosis.fits.trial import Trial, added, with_guess
 from microgripper_control.effects.registry import registry
 from microgripper_control.plant.bandlimited import course
 from microgripper_control.plant.chain import Chain
@@ -41,7 +41,7 @@ def is_costly(evidence: Evidence, model: Model) -> bool:
 
 
 def is_long(evidence: Evidence, model: Model) -> bool:
-    """Whether a simulation of a model with such forces takes a good part of a second."""
+    """Whether a simulation of a model with such forces takes a good part of a tenth of a second."""
     return _rows(evidence, model) > LONG_ROWS
 
 
@@ -65,7 +65,7 @@ def may_join(evidence: Evidence, trial: Trial, effect: str) -> bool:
     model = _with(evidence, trial, effect)
     if model is None or not is_costly(evidence, model):
         return True
-    return len(trial.effects) < 2 and _rows(evidence, model) <= MOST_ROWS
+    return len(added(evidence, trial)) < 2 and _rows(evidence, model) <= MOST_ROWS
 
 
 def _rows(evidence: Evidence, model: Model) -> int:
@@ -77,7 +77,7 @@ def _rows(evidence: Evidence, model: Model) -> int:
 def _with(evidence: Evidence, trial: Trial, effect: str) -> Model | None:
     """A trial's model with one more effect, at its first start; None if that has none."""
     starts = registry()[effect].starts(evidence.scales)
-    return trial.model.with_link(effect, **starts[0]) if starts else None
+    return with_guess(trial.model, effect, starts[0]) if starts else None
 
 
 def _labour_of_forces(evidence: Evidence, model: Model) -> int:

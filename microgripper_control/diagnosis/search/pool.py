@@ -11,7 +11,7 @@ from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.data.grid import NO_GRID, Grid, noise_under, refuted
 from microgripper_control.diagnosis.data.noise import removable
 from microgripper_control.diagnosis.fits.credibility import incredible
-from microgripper_control.diagnosis.fits.trial import Trial
+from microgripper_control.diagnosis.fits.trial import Trial, added
 from microgripper_control.effects.registry import registry
 
 UNEXPLAINED = 0.3  # of the noise floor: a structured rest above it asks for another effect,
@@ -56,7 +56,7 @@ class Pool:
 
     def add(self, trial: Trial) -> None:
         """Keep a trial unless a better one of the same effects is there."""
-        effects = frozenset(trial.effects) - self.own
+        effects = added(self.evidence, trial)
         if not np.isfinite(trial.both):
             self._failed(effects, "diverges on the samples that judge it")
             return
@@ -79,7 +79,8 @@ class Pool:
                 del self.tried[effects]
 
     def _failed(self, effects: frozenset[str], why: str) -> None:
-        self.failures["+".join(sorted(effects))] = why
+        if len(effects) == 1:
+            self.failures.update(dict.fromkeys(effects, why))
 
     @property
     def closest(self) -> Trial:
@@ -115,8 +116,8 @@ class Pool:
 
 def strongest(names: Collection[str], pool: Pool) -> list[str]:
     """Those of some effects that were tried by themselves, in the order of what they closed."""
-    alone = [name for trial in pool.best(1, len(pool.tried)) for name in trial.effects]
-    return [name for name in alone if name in names]
+    alone = pool.best(1, len(pool.tried))
+    return [name for trial in alone for name in added(pool.evidence, trial) if name in names]
 
 
 def is_read_off(effect: str) -> bool:

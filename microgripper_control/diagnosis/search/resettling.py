@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.fits.fitting import ROUGH, Base, base_of, refine
-from microgripper_control.diagnosis.fits.trial import Trial, unfitted
+from microgripper_control.diagnosis.fits.trial import Trial, added, unfitted
 from microgripper_control.diagnosis.search.attempt import STEPS, Scrutiny, attempt, polish
 from microgripper_control.diagnosis.search.finishing import POLISHED, refined
 from microgripper_control.diagnosis.search.labour import is_costly
@@ -38,7 +38,7 @@ def again_if_settled(pool: Pool, jobs: int) -> Pool:
     leaders = {
         name: trial
         for trial in pool.best(1, LEADERS)
-        for name in frozenset(trial.effects) - pool.own
+        for name in added(evidence, trial)
         if not is_read_off(name)
     }
     others = [trial for trial in pool.tried.values() if trial not in leaders.values()]

@@ -87,7 +87,7 @@ def play(
         progress(name, done, len(tasks))
         if trial is not None:
             found.append(trial)
-        else:
+        elif alone:
             pool.failures[name] = why
     for trial in found:
         pool.add(trial)

@@ -13,9 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from microgripper_control.core.parameters import Parameter
 from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.fits.fitting import Base
-from microgripper_control.diagnosis.fits.trial import problem_of
+from microgripper_control.diagnosis.fits.trial import problem_of, with_guess
 from microgripper_control.effects.base import Values, no_courses
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.nuisance import Projection
@@ -69,13 +70,13 @@ def guesses(
         guess
         for base in bases
         for values in starts
-        if (guess := _judge(evidence, base, _with(base.trial.model, effect, values)))
+        if (guess := _judge(evidence, base, effect, with_guess(base.trial.model, effect, values)))
     ]
     for guess in sorted(found, key=lambda guess: (guess.idle, guess.least))[:RESCALED]:
         if abs(guess.strength - 1.0) < RIGHT:
             continue
         model = _stronger(guess.model, effect, guess.strength)
-        if model is not guess.model and (again := _judge(evidence, guess.base, model)):
+        if model is not guess.model and (again := _judge(evidence, guess.base, effect, model)):
             found.append(again)
     found.sort(key=lambda guess: (guess.idle, guess.left))
     if not found:
@@ -102,14 +103,7 @@ def kind(model: Model, effect: str) -> tuple[object, ...]:
     return (*kept, *sorted(link.idle(values)))
 
 
-def _with(model: Model, effect: str, values: Values) -> Model:
-    """The model with an effect, as far towards a guess as its parameters' ranges allow."""
-    link = registry()[effect]
-    inside = {name: link.parameter(name).nearest(value) for name, value in values.items()}
-    return model.with_link(effect, **inside)
-
-
-def _judge(evidence: Evidence, base: Base, model: Model) -> Guess | None:
+def _judge(evidence: Evidence, base: Base, effect: str, model: Model) -> Guess | None:
     """What a refit could leave with a guess; None where it cannot be simulated."""
     problem = problem_of(evidence, model, base.trial.free)
     z = problem.point(model, base.trial.initial_hysteresis)
@@ -120,7 +114,7 @@ def _judge(evidence: Evidence, base: Base, model: Model) -> Guess | None:
     if residual.shape != base.residual.shape or not np.all(np.isfinite(residual)):
         return None
     rest, basis = base.residual, base.basis
-    own = _has_courses(model)
+    own = registry()[effect].courses is not no_courses
     if own:
         rest = problem.projected(z, rest[:, None])[:, 0]
         basis = np.linalg.qr(problem.projected(z, basis))[0]
@@ -134,27 +128,37 @@ def _judge(evidence: Evidence, base: Base, model: Model) -> Guess | None:
     if own:  # courses are as strong as fits best already
         return Guess(base, model, left, least=left, strength=1.0, idle=False)
     strength = match / size if size > 0.0 else 0.0
+    if strength < 0.0 and not _may_turn(model, effect):
+        strength = 0.0
     least = power - strength * match
     return Guess(base, model, left, least, strength, idle=size < IDLE * power)
 
 
-def _has_courses(model: Model) -> bool:
-    """Whether an effect's own courses take something away that the base could not."""
-    return any(registry()[name].courses is not no_courses for name in model.effects)
+def _strengths(model: Model, effect: str) -> list[Parameter]:
+    """The parameters at work that make an effect as much stronger as they are larger."""
+    values = model.values(effect)
+    return [
+        parameter
+        for parameter in registry()[effect].parameters
+        if parameter.fitted and parameter.vanishing == 0.0 and values[parameter.name] != 0.0
+    ]
+
+
+def _may_turn(model: Model, effect: str) -> bool:
+    """Whether an effect may act the other way."""
+    return any(parameter.low < 0.0 for parameter in _strengths(model, effect))
 
 
 def _stronger(model: Model, effect: str, strength: float) -> Model:
     """The model with the effect made stronger, as it is where its strength is no factor."""
     link, values = registry()[effect], model.values(effect)
     changed: dict[str, float] = {}
-    for parameter in link.parameters:
-        if parameter.vanishing != 0.0 or not parameter.fitted or values[parameter.name] == 0.0:
-            continue
+    for parameter in _strengths(model, effect):
         if strength < 0.0 and parameter.low >= 0.0:
             factor = 1.0 / STRONGEST
         else:
             size = min(STRONGEST, max(1.0 / STRONGEST, abs(strength)))
-            factor = size if strength > 0.0 else -size
+            factor = size if strength >= 0.0 else -size
         changed[parameter.name] = factor * values[parameter.name]
         changed.update(link.rescaled(values, factor))
-    return _with(model, effect, {**values, **changed}) if changed else model
+    return with_guess(model, effect, {**values, **changed}) if changed else model

@@ -27,7 +27,7 @@ IF_CHEAP = 50_000  # that are fitted with a force that is balanced once a sample
 def on_a_part(
     evidence: Evidence, bases: Sequence[Base], name: str, most: float
 ) -> tuple[Evidence, Sequence[Base]]:
-    """What to try an effect on and the bases there: with a costly force, about `most` samples.
+    """What to try an effect on and the bases there: `_enough` samples, about.
 
     Less than twice as many are left whole: a stretch forgets what was before it, and its fit may
     lead astray. So are all where the stretches, each with a zero and a beginning of its own, show
