@@ -17,7 +17,8 @@ from microgripper_control.diagnosis.search.pool import Pool, is_read_off
 from microgripper_control.diagnosis.search.schedule import side_by_side
 from microgripper_control.diagnosis.search.stretches import PART
 
-LEADERS = 4  # explanations by one effect that are fitted again
+LEADERS = 4  # explanations by one effect that are fitted on,
+BEGUN = 7  # and as many that begin afresh: what was led astray most may have come last
 
 
 def again_if_settled(pool: Pool, jobs: int) -> Pool:
@@ -35,12 +36,7 @@ def again_if_settled(pool: Pool, jobs: int) -> Pool:
         refine(evidence, pool.refit, ROUGH, STEPS),
         failures=pool.failures,
     )
-    leaders = {
-        name: trial
-        for trial in pool.best(1, LEADERS)
-        for name in added(evidence, trial)
-        if not is_read_off(name)
-    }
+    leaders = _of_one_effect(pool, LEADERS)
     others = [trial for trial in pool.tried.values() if trial not in leaders.values()]
     for trial in side_by_side(_as_it_was, [(evidence, trial) for trial in others], jobs):
         settled.add(trial)
@@ -51,13 +47,23 @@ def again_if_settled(pool: Pool, jobs: int) -> Pool:
         base = base_of(evidence, settled.refit)
         tasks = [
             (evidence, base, name)
-            for name, trial in leaders.items()
+            for name, trial in _of_one_effect(pool, BEGUN).items()
             if not is_costly(evidence, trial.model)
         ]
         for trials in side_by_side(_afresh, tasks, jobs):
             for trial in trials:
                 settled.add(trial)
     return min(pool, settled, key=lambda one: min(t.rmse for t in (one.refit, *one.tried.values())))
+
+
+def _of_one_effect(pool: Pool, count: int) -> dict[str, Trial]:
+    """The best explanations by one effect that is fitted, of all, by that effect."""
+    return {
+        name: trial
+        for trial in pool.best(1, count)
+        for name in added(pool.evidence, trial)
+        if not is_read_off(name)
+    }
 
 
 def _as_it_was(settled: Evidence, trial: Trial) -> Trial:
