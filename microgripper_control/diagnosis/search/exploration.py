@@ -147,13 +147,10 @@ def _join(leader: Trial, names: Sequence[str], pool: Pool, progress: Progress, j
     most = SECONDS_IF_COSTLY if is_costly(evidence, leader.model) else THIRDS if third else SECONDS
     leader = refined(evidence, leader, POLISHED, 60)
     pool.add(leader)
-    rest = [
-        name for name in names if name not in leader.effects and may_join(evidence, leader, name)
-    ]
     if is_long(evidence, leader.model) and 1.0 - pool.closed(leader) < UNCLOSED_IF_LONG:
-        beside = added(evidence, leader)
-        new = [name for name in rest if beside | {name} not in pool.tried]
-        rest = strongest(new, pool)[:SECONDS_IF_LONG]
+        rest = _untried_beside(leader, names, pool)[:SECONDS_IF_LONG]
+    else:
+        rest = [n for n in names if n not in leader.effects and may_join(evidence, leader, n)]
     if not rest:
         return
     shown = _shown_by(leader, pool)
@@ -196,12 +193,12 @@ def _untried_beside(kept: Trial, names: Sequence[str], pool: Pool) -> list[str]:
     ]
 
 
-def _as_cheap(replaced: Trial, names: Sequence[str], pool: Pool) -> list[str]:
+def _as_cheap(replaced: Trial, names: list[str], pool: Pool) -> list[str]:
     """The effects of `names` without costly ones, unless `replaced` is costly itself."""
     if is_costly(pool.evidence, replaced.model):
-        return list(names)
-    trials = {name: pool.tried[frozenset([name])] for name in names}
-    return [name for name in names if not is_costly(pool.evidence, trials[name].model)]
+        return names
+    alone = [(name, pool.tried[frozenset([name])]) for name in names]
+    return [name for name, trial in alone if not is_costly(pool.evidence, trial.model)]
 
 
 def _alike(replaced: Trial, names: Sequence[str], pool: Pool) -> list[str]:

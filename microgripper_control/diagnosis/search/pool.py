@@ -80,7 +80,8 @@ class Pool:
 
     def _failed(self, effects: frozenset[str], why: str) -> None:
         if len(effects) == 1:
-            self.failures.update(dict.fromkeys(effects, why))
+            (effect,) = effects
+            self.failures[effect] = why
 
     @property
     def closest(self) -> Trial:
@@ -100,7 +101,8 @@ class Pool:
 
     def leaves_a_rest(self, trial: Trial) -> bool:
         """Whether an explanation leaves more than noise."""
-        return removable(trial.both, self.noise_floor) > UNEXPLAINED * self.noise_floor
+        floor = self.noise_floor
+        return removable(trial.both, floor) > UNEXPLAINED * floor
 
     def leaves_more(self, trial: Trial) -> bool:
         """Whether an explanation leaves more than a right law would."""
