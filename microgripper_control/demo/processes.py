@@ -11,6 +11,7 @@ without which no later `wait` returns.
 
 from __future__ import annotations
 
+import json
 import signal
 import subprocess
 import sys
@@ -109,7 +110,8 @@ class Nodes:
         for file in files:
             words += ["--params-file", str(file)]
         for key, value in parameters.items():
-            words += ["-p", f"{key}:={_literal(value)}"]
+            # rcl reads YAML, of which JSON is a part: a path with a # in it stays whole.
+            words += ["-p", f"{key}:={json.dumps(value, default=str, ensure_ascii=False)}"]
         node = Node(name, words, self._logs / f"{label or name}.log", self._env)
         self._running.append(node)
         return node
@@ -152,14 +154,3 @@ def _interrupts_held_back() -> Iterator[list[int]]:
             signal.signal(number, handler)
         if held:
             signal.raise_signal(held[0])
-
-
-def _literal(value: object) -> str:
-    """A parameter's value as rcl parses it: YAML."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(map(_literal, value)) + "]"
-    if isinstance(value, (int, float)):
-        return str(value)
-    return "'{}'".format(str(value).replace("'", "''"))
