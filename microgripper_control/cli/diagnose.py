@@ -23,10 +23,11 @@ from microgripper_control.cli.options import (
 from microgripper_control.cli.progress import Show, progress_bar
 from microgripper_control.cli.tables import print_table
 from microgripper_control.core.errors import MicrogripperError
-from microgripper_control.core.files import make_folder
+from microgripper_control.core.files import check_place
 from microgripper_control.core.quantities import quantity
 from microgripper_control.core.recording import refuse_twice
 from microgripper_control.diagnosis.answers.places import where
+from microgripper_control.diagnosis.diagnose import candidate_names
 from microgripper_control.diagnosis.diagnose import diagnose as find_causes
 from microgripper_control.diagnosis.findings import Candidate, Diagnosis
 from microgripper_control.diagnosis.result_file import (
@@ -39,7 +40,6 @@ from microgripper_control.diagnosis.result_file import (
 )
 from microgripper_control.diagnosis.search.rounds import Progress
 from microgripper_control.diagnosis.search.schedule import cluster
-from microgripper_control.effects.registry import link_named
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model_file import save_model
@@ -84,9 +84,10 @@ def diagnose(
         raise MicrogripperError(
             f"{HELDOUT}: {min(twice)} is also given to be fitted; give it one way only"
         )
-    left_out = [link_named(name, "--without").name for name in without or []]
+    left_out = [_candidate(name) for name in without or []]
     nominal = read_model(model)
-    make_folder(out)
+    for name in (MODEL, RESULT, REPORT, NEXT_EXPERIMENT):
+        check_place(out / name, [model, *recordings, *judging])
     given, kept_apart = read_all(recordings, nominal, maps), read_all(judging, nominal, maps)
     refuse_twice([*given, *kept_apart])
     conditions = Conditions(hold, initial)
@@ -101,6 +102,14 @@ def diagnose(
     show(found, Console(highlight=False, soft_wrap=True))
     more = [NEXT_EXPERIMENT] if found.next_experiment else []
     typer.echo(f"written: {', '.join([str(out / REPORT), RESULT, MODEL, *more])}")
+
+
+def _candidate(name: str) -> str:
+    """The name of an effect that may be left out."""
+    if name not in candidate_names():
+        known = ", ".join(candidate_names())
+        raise MicrogripperError(f"--without {name}: is no effect that is tried; those are {known}")
+    return name
 
 
 def write_files(found: Diagnosis, folder: Path, maps: Sequence[str] = ()) -> None:

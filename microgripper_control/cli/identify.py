@@ -26,7 +26,7 @@ from microgripper_control.effects.registry import registry
 from microgripper_control.identification.fit import Fit, fit
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.hold import Hold
-from microgripper_control.plant.model import Key, Setting
+from microgripper_control.plant.model import Key, Setting, title
 from microgripper_control.plant.model_file import save_model
 from microgripper_control.plant.simulate import Initial
 
@@ -44,7 +44,7 @@ def identify(
 ) -> None:
     """Fit a model's parameters to recordings; writes them with 95 % intervals."""
     nominal = read_model(model)
-    check_place(out, recordings)
+    check_place(out, [*recordings, model])
     given = read_all(recordings, nominal, maps)
     refuse_twice(given)
     with Console(stderr=True).status("reading") as status:
@@ -59,29 +59,30 @@ def identify(
     header = ("parameter", "value", "95 % interval", "unit")
     print_table(console, header, parameter_rows(found), texts=range(len(header)))
     for reason, titles in undetermined(found).items():
-        console.print(f"not determined: {', '.join(titles)}: {reason}")
+        console.print(f"not determined: {', '.join(titles)}: {reason}", markup=False)
     for name, rmse, relative, white in zip(
         found.recordings, found.rmse, found.relative_rmse, found.white_noise, strict=True
     ):
         console.print(
             f"{name}: error {1e9 * rmse:.1f} nm rms, {100.0 * relative:.3f} % of peak to peak; "
-            f"white noise in it: {1e9 * white:.1f} nm"
+            f"white noise in it: {1e9 * white:.1f} nm",
+            markup=False,
         )
-    console.print(f"written: {out}")
+    console.print(f"written: {out}", markup=False)
 
 
 def parameter_rows(found: Fit) -> Iterator[tuple[str, ...]]:
     """The identified values as people read them."""
     yield _row(GAIN_TITLE, found.gain, "m/V")
     for key in found.determined:
-        yield _row(_title(key), found.model.settings[key[0]][key[1]], _unit(key))
+        yield _row(title(key), found.model.settings[key[0]][key[1]], _unit(key))
 
 
 def undetermined(found: Fit) -> dict[str, list[str]]:
     """The parameters that stay at their nominal values, by reason."""
     by_reason: dict[str, list[str]] = {}
     for entry in found.undetermined:
-        by_reason.setdefault(entry.reason, []).append(_title(entry.key))
+        by_reason.setdefault(entry.reason, []).append(title(entry.key))
     return by_reason
 
 
@@ -121,13 +122,9 @@ def _plain(setting: Setting, unit: str) -> dict[str, Any]:
     return {"value": setting.value, "unit": unit, "low": low, "high": high}
 
 
-def _row(title: str, setting: Setting, unit: str) -> tuple[str, str, str, str]:
-    low, high = setting.interval or (float("nan"), float("nan"))
-    return title, f"{setting.value:.5g}", f"{low:.5g} .. {high:.5g}", unit
-
-
-def _title(key: Key) -> str:
-    return key[1] if registry()[key[0]].nominal else f"{key[0]}.{key[1]}"
+def _row(name: str, setting: Setting, unit: str) -> tuple[str, str, str, str]:
+    between = " .. ".join(f"{end:.5g}" for end in setting.interval or ()) or "as given"
+    return name, f"{setting.value:.5g}", between, unit
 
 
 def _unit(key: Key) -> str:

@@ -59,9 +59,9 @@ def simulate(
     check_place(out, [recording, model])
     given = read_all([recording], rig, maps, needs_displacement=False)[0]
     conditions = Conditions(hold, initial)
-    counted = np.ones(len(given), bool)
+    counted = given.explained
     if given.displacement is not None and nuisance is NuisanceFit.FIT:
-        prediction, counted = heldout_prediction(rig, given, conditions)
+        prediction, counted, _ = heldout_prediction(rig, given, conditions)
     else:
         prediction = predict(rig, given, conditions, Nuisance())
     refuse_divergence(given, prediction)
@@ -76,10 +76,9 @@ def simulate(
         return
     typer.echo(f"{np.count_nonzero(read)} samples predicted: {out}")
     if summary:
-        typer.echo(
-            f"error {1e9 * summary['rmse_m']:.1f} nm rms, "
-            f"{100.0 * summary['relative_rmse']:.3f} % of peak to peak"
-        )
+        relative = summary.get("relative_rmse")
+        of_span = "" if relative is None else f", {100.0 * relative:.3f} % of peak to peak"
+        typer.echo(f"error {1e9 * summary['rmse_m']:.1f} nm rms{of_span}")
 
 
 def _summary(
@@ -89,4 +88,4 @@ def _summary(
         return {}
     rmse = float(np.sqrt(np.mean((measured - prediction)[counted] ** 2)))
     span = float(np.ptp(measured))
-    return {"rmse_m": rmse, "relative_rmse": rmse / span if span > 0.0 else 0.0}
+    return {"rmse_m": rmse, **({"relative_rmse": rmse / span} if span > 0.0 else {})}

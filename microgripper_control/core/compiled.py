@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Callable
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -26,14 +28,38 @@ ROOMS_WITH_COMPILED_CODE = ("control", "core", "effects", "recordings", "validat
 
 
 def cache_folder() -> Path:
-    """The folder for compiled code of exactly these sources and this numba."""
+    """The folder for compiled code of exactly these sources and this numba.
+
+    A service may have no home, or one that it cannot write: then it is a temporary folder.
+    """
     digest = hashlib.sha256(numba.__version__.encode())
     for room in ROOMS_WITH_COMPILED_CODE:
         for source in sorted((PACKAGE / room).rglob("*.py")):
             digest.update(str(source.relative_to(PACKAGE)).encode())
             digest.update(source.read_bytes())
-    home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    return home / "microgripper_control" / digest.hexdigest()[:16]
+    name = digest.hexdigest()[:16]
+    for home in _homes():
+        if _can_be_written(home):
+            return home / name
+    return Path(tempfile.mkdtemp(prefix="microgripper_control-"))
+
+
+def _homes() -> Iterator[Path]:
+    """Where compiled code may lie: among the user's caches, or in a temporary folder of his own."""
+    with suppress(RuntimeError):  # no home
+        usual = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+        yield usual / "microgripper_control"
+    own = Path(tempfile.gettempdir()) / f"microgripper_control-{os.getuid()}"
+    if not own.exists() or own.stat().st_uid == os.getuid():
+        yield own
+
+
+def _can_be_written(folder: Path) -> bool:
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    except OSError:
+        return False
+    return os.access(folder, os.W_OK)
 
 
 numba.config.CACHE_DIR = str(cache_folder())

@@ -38,11 +38,12 @@ def check_place(path: str | Path, given: Iterable[str | Path] = ()) -> None:
         raise MicrogripperError(f"{path}: would overwrite what is read; give another name")
     make_folder(path.parent)
     try:
-        taken = path.is_dir()
+        folder, taken = path.is_dir(), path.exists() and not path.is_file()
     except OSError as error:  # too long a name
         raise MicrogripperError(f"{path}: cannot be written: {error.strerror}") from None
     if taken:
-        raise MicrogripperError(f"{path}: is a folder; give the name of a file")
+        kind = "a folder" if folder else "no regular file"
+        raise MicrogripperError(f"{path}: is {kind}; give the name of a file")
 
 
 @contextmanager
@@ -52,6 +53,8 @@ def written_whole(path: str | Path) -> Iterator[TextIO]:
     Parent folders are made. Raises MicrogripperError where the place cannot be written.
     """
     path = Path(path)
+    if path.is_symlink():
+        path = path.resolve()  # what it points to is written, the link stays
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")

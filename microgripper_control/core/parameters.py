@@ -37,8 +37,12 @@ class Parameter:
     @property
     def range_text(self) -> str:
         """The allowed range as people write it, e.g. `0 .. 1 s`."""
-        unit = "" if self.unit == "1" else f" {self.unit}"
-        return f"{self.low:g} .. {self.high:g}{unit}"
+        return f"{self.low:g} .. {self.high:g}{self.suffix}"
+
+    @property
+    def suffix(self) -> str:
+        """The unit as it follows a number: a space and the unit, nothing for a mere number."""
+        return "" if self.unit == "1" else f" {self.unit}"
 
     def nearest(self, value: float) -> float:
         """The value itself if it is allowed, else the bound that it is past."""

@@ -98,6 +98,9 @@ class Recording:
         counted: NDArray[np.bool_] = self.read.copy()
         last = np.flatnonzero(counted[:-1] & ~counted[1:])
         following = np.flatnonzero(~counted[:-1] & counted[1:]) + 1
+        if not counted[0]:  # a piece may begin within a gap, and end within one
+            following = following[1:]
+        last = last[: len(following)]
         change = np.abs(self.voltage[following] - self.voltage[last])
         unknown = following[change > STEADY * np.ptp(self.voltage)]
         unsettled = self.unsettled(max(1, len(unknown)))

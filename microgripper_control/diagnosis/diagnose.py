@@ -129,7 +129,7 @@ def diagnose(
         model=given.model,
         conditions=whole.conditions,
         judged=_judged(explored.whole, before, refit, best),
-        shares=_shares(pool, given.effects, best),
+        shares=_shares(pool, given.effects, given.best),
         warnings=(*readings, *explored.warnings, *hold_warnings(pool.evidence, refit)),
     )
 
@@ -222,7 +222,7 @@ def _judged(
             heldout_prediction(trial.model, recording, evidence.conditions)
             for trial in (nominal, refit, augmented)
         ]
-        found.append(Judged(recording, said[0][1], *(prediction for prediction, _ in said)))
+        found.append(Judged(recording, said[0].counted, *(one.prediction for one in said)))
     return tuple(found)
 
 

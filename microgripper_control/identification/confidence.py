@@ -3,7 +3,7 @@
 The covariance of a least-squares estimate is s^2 (J'J)^-1 for independent residuals. Where the
 model leaves structure in the residual, neighbouring samples are not independent: the variance is
 then multiplied by the residual's integrated autocorrelation time, so that n correlated samples
-count as n / tau independent ones (Geyer 1992, initial positive sequence).
+count as n / tau independent ones (summed in pairs until one is negative, after Geyer 1992).
 """
 
 from __future__ import annotations
@@ -31,6 +31,11 @@ def autocorrelation_time(residual: Array) -> float:
     negative = np.flatnonzero(pairs <= 0.0)
     end = negative[0] if len(negative) else len(pairs)
     return float(max(1.0, 1.0 + 2.0 * np.sum(pairs[:end])))
+
+
+def independent_samples(residuals: Sequence[Array]) -> float:
+    """How many independent samples correlated residuals amount to."""
+    return float(sum(len(residual) / autocorrelation_time(residual) for residual in residuals))
 
 
 def white_noise(residual: Array) -> float:
@@ -69,9 +74,9 @@ def covariance(jacobian: Array, residuals: Sequence[Array], offsets: int) -> Arr
     return result
 
 
-def interval(value: float, variance: float, freedom: int) -> tuple[float, float]:
-    """The two-sided 95 % interval around a value."""
+def interval(value: float, variance: float, freedom: float) -> tuple[float, float]:
+    """The two-sided 95 % interval around a value; `freedom` independent samples are left over."""
     from scipy.special import stdtrit  # takes 0.03 s to import: not for a node
 
-    half = float(stdtrit(max(1, freedom), 0.5 + LEVEL / 2.0)) * float(np.sqrt(variance))
+    half = float(stdtrit(max(1.0, freedom), 0.5 + LEVEL / 2.0)) * float(np.sqrt(variance))
     return value - half, value + half

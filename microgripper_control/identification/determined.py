@@ -5,6 +5,7 @@ What they do not stays at its nominal value and is named, instead of a number be
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -12,7 +13,11 @@ import numpy as np
 
 from microgripper_control.core.signals import Array
 from microgripper_control.effects.registry import registry
-from microgripper_control.identification.confidence import autocorrelation_time, covariance
+from microgripper_control.identification.confidence import (
+    autocorrelation_time,
+    covariance,
+    independent_samples,
+)
 from microgripper_control.identification.elimination import Split
 from microgripper_control.identification.problem import Problem
 from microgripper_control.identification.search import descend
@@ -53,6 +58,12 @@ def variances(problem: Problem, z: Array) -> Array:
     split = Split.by_recording(problem, z, problem.columns(z, range(len(problem.free))))
     eliminated = problem.eliminated + len(split.sizes)
     return np.diag(covariance(split.rest, problem.split_residuals(z), eliminated))
+
+
+def freedom(problem: Problem, z: Array) -> float:
+    """How many more independent samples there are than values fitted to them."""
+    fitted = len(z) + problem.eliminated
+    return independent_samples(problem.split_residuals(z)) - fitted
 
 
 def _errors(problem: Problem, z: Array) -> Array:
@@ -108,6 +119,10 @@ def drop_undetermined(
         rest = tuple(other for other in problem.free if other != key)
         smaller = replace(problem, model=model, free=rest)
         point = smaller.point(model, problem.initial_hysteresis(z))
+        # A nominal value beside values that are the rig's own may be no model at all.
+        if not math.isfinite(_squares(smaller, point)):
+            needed.add(key)
+            continue
         point = descend(smaller, point)
         if _rise(problem, z, smaller, point) > SIGNIFICANT_RISE:
             needed.add(key)
@@ -120,7 +135,13 @@ def drop_undetermined(
 
 def _rise(problem: Problem, z: Array, smaller: Problem, point: Array) -> float:
     """How much worse the smaller problem fits: chi-squared with one degree of freedom."""
-    residuals, worse = problem.residuals(z), smaller.residuals(point)
-    squares = float(residuals @ residuals)
+    residuals, squares = problem.residuals(z), _squares(problem, z)
     independent = len(residuals) / autocorrelation_time(residuals)
-    return independent * (float(worse @ worse) - squares) / squares
+    return independent * (_squares(smaller, point) - squares) / squares
+
+
+@np.errstate(all="ignore")
+def _squares(problem: Problem, z: Array) -> float:
+    """Sum of the squared residuals, m^2; not finite where the model diverges."""
+    residuals = problem.residuals(z)
+    return float(residuals @ residuals)

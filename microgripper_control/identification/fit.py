@@ -18,6 +18,7 @@ from microgripper_control.identification.determined import (
     add_dynamics,
     drop_undetermined,
     free_parameters,
+    freedom,
     variances,
 )
 from microgripper_control.identification.nuisance import (
@@ -29,6 +30,7 @@ from microgripper_control.identification.nuisance import (
     response,
 )
 from microgripper_control.identification.problem import Problem
+from microgripper_control.identification.resonance import near_the_resonance
 from microgripper_control.identification.search import descend, simplex
 from microgripper_control.plant.model import Key, Model, Setting
 
@@ -78,6 +80,8 @@ def fit(
     dynamic = tuple(key for key in free if key in DYNAMIC)
     if dynamic:
         progress("what the recording can tell about the mechanics")
+        if dynamic == DYNAMIC:
+            problem, z = near_the_resonance(problem, z, model)
         z, problem, unseen = add_dynamics(problem, z, dynamic)
         undetermined += unseen
     z, problem, unseen = drop_undetermined(problem, z, model)
@@ -96,14 +100,13 @@ def _check(recordings: Sequence[Recording]) -> None:
 
 def _result(problem: Problem, z: Array, undetermined: tuple[Undetermined, ...]) -> Fit:
     spread = variances(problem, z)
-    samples = sum(len(recording) for recording in problem.recordings)
-    freedom = samples - len(z) - problem.eliminated
+    left_over = freedom(problem, z)
     model = problem.model_at(z)
     settings = {}
     for index, key in enumerate(problem.free):
         value = model.value(*key)
         scale = float(problem.scales[index])
-        bounds = interval(value, float(spread[index]) * scale**2, freedom)
+        bounds = interval(value, float(spread[index]) * scale**2, left_over)
         settings[key] = Setting(value, bounds)
     model = model.with_settings(settings)
     nuisances = tuple(problem.nuisances(z))

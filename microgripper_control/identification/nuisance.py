@@ -11,12 +11,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from microgripper_control.core.errors import MicrogripperError
-from microgripper_control.core.recording import Recording
+from microgripper_control.core.recording import SHORTEST, Recording
 from microgripper_control.core.signals import Array
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.initial_hysteresis import least_squares_h
@@ -258,7 +259,7 @@ def _by_hysteresis(
     remembered = np.flatnonzero(apart > FORGOTTEN * np.max(apart))
     if not len(remembered):
         return anew
-    until = max(2, int(remembered[-1]) + 1)
+    until = max(SHORTEST, int(remembered[-1]) + 1)
     voltage = recording.voltage[:until]
     beginning = replace(recording, voltage=voltage, displacement=None, setpoint=None, read=None)
     return lambda h: np.append(response(model, beginning, conditions, h), high[until:])
@@ -271,13 +272,23 @@ def blocks(length: int, odd: bool) -> Mask:
     return chosen
 
 
-def heldout_prediction(
-    model: Model, recording: Recording, conditions: Conditions
-) -> tuple[Array, Mask]:
-    """Prediction of a held-out recording and the samples on which its error counts.
+class Heldout(NamedTuple):
+    """What a model says of a held-out recording, m, shape (n,), and where its error counts.
+
+    `zero`, m, is what the sensor shows at x = 0.
+    """
+
+    prediction: Array
+    counted: Mask
+    zero: float
+
+
+def heldout_prediction(model: Model, recording: Recording, conditions: Conditions) -> Heldout:
+    """Predict a held-out recording.
 
     Only the nuisance values are fitted, on the odd blocks; errors are taken on the even ones.
     """
     nuisance = fit_nuisance(model, recording, conditions, blocks(len(recording), odd=True))
     prediction = predict(model, recording, conditions, nuisance)
-    return prediction, blocks(len(recording), odd=False) & recording.explained
+    counted = blocks(len(recording), odd=False) & recording.explained
+    return Heldout(prediction, counted, nuisance.offset)

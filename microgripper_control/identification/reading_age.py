@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from microgripper_control.core.signals import Array
+from microgripper_control.effects.registry import registry
 from microgripper_control.plant.model import Model
 
 DELAY = "transport_delay"
@@ -24,6 +25,15 @@ AGES, ROUNDS = 32, 4  # first ages that are tried, and how often closer ones aro
 CLOSER = 4.0
 
 Indices = NDArray[np.intp]
+
+
+def can_be_late(model: Model, sample_period: float) -> bool:
+    """Whether a model's response may come up to another sample later: a delay has a range."""
+    return _delay(model) + sample_period <= registry()[DELAY].parameter("delay").high
+
+
+def _delay(model: Model) -> float:
+    return model.value(DELAY, "delay") if DELAY in model.settings else 0.0
 
 
 @dataclass(frozen=True)
@@ -49,8 +59,7 @@ class Late:
     ) -> Late:
         """`respond` simulates a model, m, shape (n,); the sensor's clock is left out."""
         model = model.unclocked()
-        delay = model.value(DELAY, "delay") if DELAY in model.settings else 0.0
-        delays = [delay + part * sample_period / PARTS for part in range(PARTS)]
+        delays = [_delay(model) + part * sample_period / PARTS for part in range(PARTS)]
         rows = [respond(model.with_link(DELAY, delay=one)) for one in delays]
         return cls(np.array(rows), sample_period, measured, counted)
 

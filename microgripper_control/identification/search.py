@@ -45,6 +45,7 @@ def simplex(problem: Problem) -> Array:
     return np.append(best.x, start[count:])
 
 
+@np.errstate(all="ignore")  # a step too far may overflow: it is then not taken
 def descend(problem: Problem, z: Array) -> Array:
     """Trust-region reflective least squares from a point, parameters and initial h together."""
     low, high = problem.bounds

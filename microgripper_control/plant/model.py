@@ -17,6 +17,11 @@ Key = tuple[str, str]  # link, parameter
 BEYOND = 0.01  # of the voltage range: so much beyond it is not spoken of
 
 
+def title(key: Key) -> str:
+    """A parameter's name as people read it: the paper's own by themselves, others with the link."""
+    return key[1] if registry()[key[0]].nominal else f"{key[0]}.{key[1]}"
+
+
 @dataclass(frozen=True)
 class Setting:
     """A parameter's value in a model; `interval` holds its 95 % bounds if it was identified."""

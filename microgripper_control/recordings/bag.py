@@ -110,6 +110,8 @@ class Bag:
             (file for file in self.path.iterdir() if file.suffix in SUFFIXES), key=_natural_order
         )
         metadata = Metadata.read(self.path)
+        if metadata is not None:
+            self._counts.update(metadata.counts)
         if metadata is not None and metadata.compressed:
             self._files.append(LibraryBag(self.path))
             return
@@ -120,7 +122,6 @@ class Bag:
                 )
             self._notes.append(f"{METADATA} is missing or damaged; the storage files were read")
         else:
-            self._counts.update(metadata.counts)
             listed = [self.path / name for name in metadata.files]
             lost = [file.name for file in listed if not file.is_file()]
             present = [file for file in listed if file.is_file()]

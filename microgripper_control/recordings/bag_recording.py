@@ -8,6 +8,7 @@ converter would hold it.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
@@ -28,6 +29,7 @@ JOINT_STATE = "sensor_msgs/msg/JointState"
 FLOAT64 = "std_msgs/msg/Float64"
 JOINT = "finger"
 JOINT_FIELDS = {"voltage": "effort", "displacement": "position", "setpoint": "position"}
+BY_NAME = ("position", "velocity", "effort")
 USUAL_TOPICS = {
     "voltage": ("joint_states", JOINT_STATE),
     "displacement": ("joint_states", JOINT_STATE),
@@ -45,9 +47,18 @@ class Choice:
     field: str | None
     scale: float
     needed: bool
+    joint: str | None = None  # whose messages are read, others are passed over; None: not chosen
+
+    def joint_of(self, layout: Layout) -> str | None:
+        """Whose number is read in a message; None where it is not by a joint's name."""
+        names = layout.texts.get("name", ())
+        by_name = self.topic.type == JOINT_STATE and (self.field or "position") in BY_NAME
+        return (JOINT if JOINT in names else names[0]) if by_name and names else None
 
     def place(self, layout: Layout) -> Place | None:
         """The quantity's number in a message; LayoutError if it is needed and not there."""
+        if self.joint is not None and self.joint_of(layout) != self.joint:
+            return None
         try:
             return layout.place(self._path(layout))
         except LayoutError:
@@ -59,7 +70,7 @@ class Choice:
         if self.topic.type == JOINT_STATE:
             path = self.field or JOINT_FIELDS[self.quantity]
             names = layout.texts["name"]
-            if path not in ("position", "velocity", "effort"):
+            if path not in BY_NAME:
                 return path
             if JOINT in names:
                 return f"{path}[{names.index(JOINT)}]"
@@ -115,7 +126,9 @@ def _recording(bag: Bag, mapping: Mapping, needs_displacement: bool) -> Recordin
         samples = replace(samples, displacement=None)
     if setpoint is not None:
         try:
-            samples = replace(samples, setpoint=_setpoint_of_samples(bag, setpoint, received))
+            samples = replace(
+                samples, setpoint=_setpoint_of_samples(bag, setpoint, received, notes)
+            )
         except MicrogripperError as error:
             if setpoint.needed:
                 raise
@@ -153,11 +166,34 @@ def _choose(
     return None
 
 
-def _series(bag: Bag, *choices: Choice) -> Series:
-    """Read quantities that are on one topic."""
+def _series(bag: Bag, notes: list[str], *choices: Choice) -> Series:
+    """Read quantities that are on one topic.
+
+    Where drivers share a topic, each with a joint of its own, one joint's messages are read.
+    """
+    joints: set[str] = set()
+    series = _numbers(bag, choices, joints)
+    if len(joints) < 2:
+        return series
+    topic = choices[0].topic.name
+    if JOINT not in joints:
+        raise MicrogripperError(
+            f"{bag.path}: topic {topic} has messages of {', '.join(sorted(joints))}; "
+            f"call the one to be read {JOINT!r}, or record it on a topic of its own"
+        )
+    series = _numbers(bag, [replace(choice, joint=JOINT) for choice in choices], joints)
+    own = ~np.all(np.isnan(series.values), axis=1)
+    notes.append(f"{topic}: {np.count_nonzero(~own)} messages are of other joints")
+    stamps = None if series.stamps is None else series.stamps[own]
+    return Series(series.received[own], stamps, series.values[own])
+
+
+def _numbers(bag: Bag, choices: Sequence[Choice], joints: set[str]) -> Series:
+    """The numbers of all messages of a topic; the joints that they are of are added to `joints`."""
 
     def pick(layout: Layout) -> list[Place | None]:
         stamp = [layout.places.get(f"header.stamp.{part}") for part in ("sec", "nanosec")]
+        joints.update(name for choice in choices if (name := choice.joint_of(layout)))
         return [*stamp, *(choice.place(layout) for choice in choices)]
 
     topic, scales = choices[0].topic, np.array([choice.scale for choice in choices])
@@ -193,7 +229,7 @@ def _in_order_of_receipt(series: Series) -> Series:
 def _one_topic(
     bag: Bag, voltage: Choice, displacement: Choice | None, notes: list[str]
 ) -> tuple[Integers, Samples]:
-    series = _series(bag, voltage, *([displacement] if displacement else []))
+    series = _series(bag, notes, voltage, *([displacement] if displacement else []))
     stamps = series.stamps
     if stamps is None:
         notes.append(f"{voltage.topic.name} carries no stamps: the times of receipt were used")
@@ -205,7 +241,9 @@ def _one_topic(
 def _two_topics(
     bag: Bag, voltage: Choice, displacement: Choice, notes: list[str]
 ) -> tuple[Integers, Samples]:
-    drive, answer = _series(bag, voltage), _series(bag, displacement)
+    drive, answer = _series(bag, notes, voltage), _series(bag, notes, displacement)
+    if not displacement.needed and not len(answer.received):
+        return _one_topic(bag, voltage, None, notes)
     if drive.stamps is None or answer.stamps is None:
         clock, given, of = answer.received, drive.received, "time of receipt"
     else:
@@ -229,9 +267,11 @@ def _samples(stamps: Integers, voltage: Array, displacement: Array | None) -> Sa
     return Samples((stamps - first) / 1e9, voltage, displacement, origin=float(first) / 1e9)
 
 
-def _setpoint_of_samples(bag: Bag, choice: Choice, received: Integers) -> Array | None:
+def _setpoint_of_samples(
+    bag: Bag, choice: Choice, received: Integers, notes: list[str]
+) -> Array | None:
     """The setpoint that answers each sample: the newest before the next sample; NaN if none yet."""
-    series = _series(bag, choice)
+    series = _series(bag, notes, choice)
     if not len(series.received):
         return None
     newest = np.searchsorted(series.received, received[1:], side="left") - 1

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from microgripper_control.core.errors import MicrogripperError, one_line
 from microgripper_control.core.recording import Recording, check_samples
@@ -22,6 +23,8 @@ COARSEST_DIGIT = 0.35  # of the sample period: the last that stamps of a uniform
 CLEARLY_LATE = 0.1  # of the sample period
 MOST_REPEATED = 0.1  # of the stamps: beyond it they have too few digits
 MOST_MISSING = 3.0  # of the samples that are there: beyond it gaps cannot be filled
+MOST_OVERTAKEN = 0.05  # of the steps: beyond it, or by more than
+OVERTAKEN = 5.0  # periods, time runs backwards
 SHORT, MANY = 0.05, 0.25  # of a usual step; of all steps: so many so short ones are bursts
 
 
@@ -55,8 +58,8 @@ class Samples:
             origin=self.origin,
         )
 
-    def where(self, keep: Array) -> Samples:
-        """Only the samples at which the boolean array `keep` is true."""
+    def where(self, keep: NDArray[np.bool_] | NDArray[np.intp]) -> Samples:
+        """Only the samples at which `keep` is true, or which it numbers."""
         return Samples(
             time=self.time[keep],
             voltage=self.voltage[keep],
@@ -80,8 +83,7 @@ def on_uniform_clock(name: str, samples: Samples, warnings: tuple[str, ...] = ()
     read = None
     if not np.array_equal(known, wanted):
         samples = samples.on(known, wanted)
-        if np.array_equal(known, np.rint(known)):  # ticks of the clock, some of them missing
-            read = np.isin(wanted, known)
+        read = _read(known, wanted, notes)
     return Recording(
         name=name,
         sample_period=float(f"{period:.12g}"),  # 0.001 again, not 0.0010000000000000002
@@ -94,8 +96,22 @@ def on_uniform_clock(name: str, samples: Samples, warnings: tuple[str, ...] = ()
     )
 
 
+def _read(known: Array, wanted: Array, notes: list[str]) -> NDArray[np.bool_] | None:
+    """Which ticks were read and not filled in; of unequal spacing those a period from a sample."""
+    if np.array_equal(known, np.rint(known)):  # ticks of the clock, some of them missing
+        return np.isin(wanted, known)
+    after = np.searchsorted(known, wanted).clip(1, len(known) - 1)
+    apart = np.minimum(np.abs(wanted - known[after - 1]), np.abs(known[after] - wanted))
+    near: NDArray[np.bool_] = apart <= 1.0
+    if near.all():
+        return None
+    notes.append(f"missing samples: {np.count_nonzero(~near)}; they do not count")
+    return near
+
+
 def _increasing(name: str, samples: Samples, notes: list[str]) -> Samples:
-    """The samples without repeated stamps."""
+    """The samples in the order of their stamps, without repeated ones."""
+    samples = _in_order(samples, notes)
     time = samples.time
     bad = np.flatnonzero(~np.isfinite(time))
     if len(bad):
@@ -120,6 +136,18 @@ def _increasing(name: str, samples: Samples, notes: list[str]) -> Samples:
     samples = samples.where(np.append(True, steps > 0.0))
     check_samples(name, samples.voltage, samples.displacement, samples.setpoint)
     return samples
+
+
+def _in_order(samples: Samples, notes: list[str]) -> Samples:
+    """The samples sorted by their stamps where a few were overtaken by the next few."""
+    steps = np.diff(samples.time)
+    late, ahead = np.count_nonzero(steps < 0.0), steps[steps > 0.0]
+    if not late or not len(ahead) or late > MOST_OVERTAKEN * len(steps):
+        return samples
+    if np.min(steps) < -OVERTAKEN * float(np.median(ahead)):
+        return samples
+    notes.append(f"overtaken by the next: {late} samples; they were put in the order of stamps")
+    return samples.where(np.argsort(samples.time, kind="stable"))
 
 
 def _positions(name: str, time: Array, notes: list[str]) -> tuple[float, Array]:

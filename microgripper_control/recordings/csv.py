@@ -7,6 +7,7 @@ Commas, semicolons or tabs separate them.
 from __future__ import annotations
 
 import csv
+import os
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
@@ -41,7 +42,9 @@ def read_csv(path: Path, mapping: Mapping, *, needs_displacement: bool) -> Recor
             index = _find_column(path, header, quantity, mapping, quantity in needed)
             if index is not None:
                 columns[quantity] = index
-        table = _read_numbers(path, header, delimiter, list(columns.values()))
+        setpoint = columns.get("setpoint")
+        table = _read_numbers(path, header, delimiter, list(columns.values()), setpoint)
+        cut = not _end(path).endswith(("\n", "\r"))
     except OSError as error:
         raise MicrogripperError(f"{path}: cannot be read: {error.strerror}") from None
     values: dict[str, Array] = {}
@@ -51,7 +54,10 @@ def read_csv(path: Path, mapping: Mapping, *, needs_displacement: bool) -> Recor
     samples = Samples(
         values["time"], values["voltage"], values.get("displacement"), values.get("setpoint")
     )
-    return on_uniform_clock(str(path), samples)
+    if not cut:
+        return on_uniform_clock(str(path), samples)
+    note = "the last line has no end and may be cut off within a number: it was left out"
+    return on_uniform_clock(str(path), samples.where(np.arange(len(table) - 1)), (note,))
 
 
 def write_csv(path: str | Path, recording: Recording) -> None:
@@ -114,19 +120,32 @@ def _read_header(path: Path, usual: str) -> tuple[list[str], str]:
 
 
 def _check_width(path: Path, header: list[str], delimiter: str) -> None:
-    """Raise MicrogripperError if the first row has more cells than names: 5,002 is two of them."""
+    """Raise MicrogripperError if a row has more cells than names: 5,002 is two of them.
+
+    The first and the last are looked at: one of them may have whole numbers only.
+    """
     with _opened(path) as file:
         reader = csv.reader(file, delimiter=delimiter)
         try:
             next(reader)
-            row = next((row for row in reader if any(cell.strip() for cell in row)), [])
+            first = next((row for row in reader if any(cell.strip() for cell in row)), [])
+            last = next(csv.reader(_end(path).splitlines()[-1:], delimiter=delimiter), [])
         except csv.Error:
             return  # told where the row is read
-        if any(cell.strip() for cell in row[len(header) :]):
-            raise MicrogripperError(
-                f"{path}: line {reader.line_num}: {len(row)} cells, the header has {len(header)}; "
-                "with decimal commas, separate the columns by semicolons and write points"
-            )
+        for which, row in ((f"line {reader.line_num}", first), ("the last line", last)):
+            if any(cell.strip() for cell in row[len(header) :]):
+                raise MicrogripperError(
+                    f"{path}: {which}: {len(row)} cells, the header has {len(header)}; "
+                    "with decimal commas, separate the columns by semicolons and write points"
+                )
+
+
+def _end(path: Path) -> str:
+    """The last characters of a file."""
+    with path.open("rb") as file:
+        size = file.seek(0, os.SEEK_END)
+        file.seek(max(0, size - LONGEST_HEADER))
+        return file.read().decode("latin-1")
 
 
 def _usual_header() -> str:
@@ -158,8 +177,14 @@ def _find_column(
     return None
 
 
-def _read_numbers(path: Path, header: list[str], delimiter: str, columns: list[int]) -> Array:
-    """The numbers of some columns, shape (rows, columns)."""
+def _read_numbers(
+    path: Path,
+    header: list[str],
+    delimiter: str,
+    columns: list[int],
+    setpoint: int | None = None,
+) -> Array:
+    """The numbers of some columns, shape (rows, columns); that of the setpoint may have gaps."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of a file without rows
@@ -174,10 +199,12 @@ def _read_numbers(path: Path, header: list[str], delimiter: str, columns: list[i
                 encoding="latin-1",
             )
     except ValueError:
-        return _read_row_by_row(path, header, delimiter, columns)
+        return _read_row_by_row(path, header, delimiter, columns, setpoint)
 
 
-def _read_row_by_row(path: Path, header: list[str], delimiter: str, columns: list[int]) -> Array:
+def _read_row_by_row(
+    path: Path, header: list[str], delimiter: str, columns: list[int], setpoint: int | None
+) -> Array:
     """As `_read_numbers`, slower, but able to name what is wrong and to leave out setpoints."""
     rows: list[list[float]] = []
     with _opened(path) as file:
@@ -187,19 +214,21 @@ def _read_row_by_row(path: Path, header: list[str], delimiter: str, columns: lis
             for row in reader:
                 if any(cell.strip() for cell in row):
                     where = f"{path}: line {reader.line_num}"
-                    rows.append([_number(row, index, header, where) for index in columns])
+                    rows.append([_number(row, index, header, where, setpoint) for index in columns])
         except csv.Error as error:
             raise MicrogripperError(f"{path}: line {reader.line_num}: {error}") from None
     return np.array(rows, dtype=float).reshape(len(rows), len(columns))
 
 
-def _number(row: list[str], index: int, header: list[str], where: str) -> float:
+def _number(
+    row: list[str], index: int, header: list[str], where: str, setpoint: int | None
+) -> float:
     if index >= len(row):
         raise MicrogripperError(
             f"{where}: {len(row)} cells, none in column {header[index]!r}; complete or remove it"
         )
     cell = row[index].strip()
-    if not cell and header[index] == USUAL_COLUMNS["setpoint"]:
+    if not cell and index == setpoint:
         return float("nan")
     try:
         return float(cell)

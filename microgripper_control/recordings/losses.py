@@ -8,19 +8,24 @@ FIRST = 200  # intervals between stamps that tell the sample period
 
 
 class Sequence:
-    """Messages of one publisher, which numbers them; another publisher is a new beginning."""
+    """Messages of publishers that each number their own; one that is new begins anywhere.
+
+    A number follows the largest below it that nothing has followed yet.
+    """
 
     def __init__(self) -> None:
         self.count = 0
         self.lost = 0
-        self._last = 0
+        self._lasts: set[int] = set()  # the last number of each publisher
 
     def note(self, number: int) -> None:
         """Count a message with its sequence number."""
-        if self.count and number > self._last:
-            self.lost += number - self._last - 1
         self.count += 1
-        self._last = number
+        last = max((last for last in self._lasts if last < number), default=None)
+        if last is not None:
+            self.lost += number - last - 1
+            self._lasts.remove(last)
+        self._lasts.add(number)
 
 
 class StampedSamples:

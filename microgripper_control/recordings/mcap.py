@@ -160,7 +160,7 @@ class McapFile:
                 for start, end in zip(*records.spans(CHUNK), strict=True):
                     yield from self._chunk(int(start), int(end))
                 at = int(records.ends[-1])
-            if self._data[at:].tobytes() == MAGIC:
+            if size - at == len(MAGIC) and self._data[at:].tobytes() == MAGIC:
                 return
             self._damaged.append(at)
             following = self._next_chunk(at)

@@ -53,8 +53,10 @@ def repair_bag(path: str | Path, progress: OnProgress = lambda stage: None) -> R
         raise MicrogripperError(
             f"{path}: is one file of a bag; give its folder, or put it into a folder of its own"
         )
+    if not path.is_dir():
+        raise MicrogripperError(f"{path}: does not exist")
     try:
-        with Bag(path) as bag, closing(FolderLock(path)):
+        with closing(FolderLock(path)), Bag(path) as bag:
             shutil.rmtree(workshop, ignore_errors=True)  # of a repair that was cut off
             found = _count(bag, progress)
             if not bag.warnings:

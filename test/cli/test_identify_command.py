@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -122,3 +123,26 @@ def test_frozen_parameters_leave_the_mechanics_to_be_fitted(
         done = microgripper("identify", "--model", path, recording, "--out", tmp_path / "f.yaml")
         assert done.status == status
     assert "frozen" in done.err
+
+
+def test_the_model_it_begins_with_is_not_replaced(
+    microgripper: Run, model: Path, recording: Path
+) -> None:
+    before = model.read_text()
+    done = microgripper("identify", recording, "--model", model, "--out", model)
+    assert done.status == 2
+    assert "would overwrite what is read" in done.err
+    assert model.read_text() == before
+
+
+def test_a_frozen_gain_is_as_given(
+    microgripper: Run, model: Path, recording: Path, tmp_path: Path
+) -> None:
+    text = model.read_text()
+    frozen = re.sub(r"(\bd: \{value: [^,}]+)", r"\1, frozen: true", text, count=1)
+    assert frozen != text
+    model.write_text(frozen)
+    done = microgripper("identify", recording, "--model", model, "--out", tmp_path / "f.yaml")
+    assert done.status == 0, done.err
+    assert "as given" in done.out
+    assert "nan .." not in done.out

@@ -90,3 +90,26 @@ def test_millivolts_are_asked_about(
     assert "the model holds for 0 .. 160 V" in said[0]
     assert "in volts?" in said[-1]
     assert not out.is_file()
+
+
+def test_filled_in_samples_are_not_counted_whatever_is_fitted(
+    microgripper: Run, model: Path, tmp_path: Path
+) -> None:
+    measured = simulate(nominal_model(), VOLTAGE, 1e-3)
+    kept = np.r_[:1100, 1300 : len(VOLTAGE)]
+    table = np.column_stack([1e-3 * np.arange(len(VOLTAGE)), VOLTAGE, measured])[kept]
+    path = tmp_path / "run.csv"
+    header = "time_s,voltage_V,displacement_m"
+    np.savetxt(path, table, delimiter=",", header=header, comments="", fmt="%.17g")
+    words = ("simulate", "--model", model, path, "--out", tmp_path / "p.csv", "--json")
+    assert json.loads(microgripper(*words, "--nuisance", "none").out)["rmse_m"] < 1e-9
+
+
+def test_a_displacement_that_never_changes_has_no_relative_error(
+    microgripper: Run, model: Path, tmp_path: Path
+) -> None:
+    still = np.full(len(VOLTAGE), 1e-6)
+    path = write(tmp_path / "run.csv", VOLTAGE, still, header="time_s,voltage_V,displacement_m")
+    done = microgripper("simulate", "--model", model, path, "--out", tmp_path / "p.csv")
+    assert done.status == 0
+    assert "% of peak to peak" not in done.out

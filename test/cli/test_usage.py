@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
+
+from microgripper_control.plant.model import nominal_model
+from microgripper_control.plant.model_file import save_model
 
 
 @pytest.mark.parametrize(
@@ -50,3 +54,29 @@ def test_an_option_without_its_value_is_one_line(microgripper: Callable[..., Any
     ran = microgripper("diagnose", "x.csv", "--heldout", "--model", "m", "--out", "y")
     assert (ran.status, ran.out, ran.err.count("\n")) == (2, "", 1)
     assert "--heldout" in ran.err
+
+
+def test_a_diagnosis_does_not_replace_what_it_reads(
+    microgripper: Callable[..., Any], tmp_path: Path
+) -> None:
+    """A second round begins from the model that the first has written."""
+    save_model(nominal_model(), tmp_path / "model.yaml")
+    before = (tmp_path / "model.yaml").read_text()
+    run = tmp_path / "run.csv"
+    run.write_text("time_s,voltage_V,displacement_m\n")
+    words = ("diagnose", run, "--model", tmp_path / "model.yaml", "--out", tmp_path)
+    done = microgripper(*words)
+    assert done.status == 2
+    assert f"{tmp_path}/model.yaml: would overwrite what is read" in done.err
+    assert (tmp_path / "model.yaml").read_text() == before
+
+
+@pytest.mark.parametrize("name", ["bouc_wen", "sensor_noise", "no_such_effect"])
+def test_what_is_not_tried_cannot_be_left_out(
+    microgripper: Callable[..., Any], tmp_path: Path, name: str
+) -> None:
+    words = ("diagnose", "run.csv", "--model", "m.yaml", "--out", tmp_path, "--without", name)
+    done = microgripper(*words)
+    assert (done.status, done.out) == (2, "")
+    assert f"--without {name}: is no effect that is tried; those are " in done.err
+    assert "creep" in done.err

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
+import pytest
 
 from microgripper_control.core.compiled import address_of, cache_folder, call_at, compiled
 from microgripper_control.core.signals import Array
@@ -65,3 +67,13 @@ def test_the_next_process_finds_the_compiled_code() -> None:
         done = subprocess.run([sys.executable, "-c", load], capture_output=True, text=True)
     assert done.stdout.split() == ["0", "1"], done.stderr
     assert cache_folder().is_dir()
+
+
+def test_without_a_home_that_can_be_written_compiled_code_has_a_place(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    taken = tmp_path / "a file"
+    taken.write_text("")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(taken))
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    assert cache_folder().parent.parent == tmp_path

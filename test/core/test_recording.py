@@ -49,3 +49,19 @@ def test_most_of_a_recording_with_many_gaps_still_counts() -> None:
 
 def test_a_short_recording_is_not_left_out_altogether() -> None:
     assert recording(np.arange(10.0), []).unsettled() == 2
+
+
+@pytest.mark.parametrize(
+    "lost",
+    [
+        [0, 1, 500, 501],
+        [500, 501, COUNT - 1],
+        [0, 500, 501, COUNT - 2, COUNT - 1],
+        [0, *range(10, COUNT, 7), COUNT - 1],
+    ],
+)
+def test_a_piece_may_begin_and_end_within_a_gap(lost: list[int]) -> None:
+    run = recording(stepped(500), lost)
+    assert not np.any(run.explained[lost])
+    assert run.explained[5]
+    assert not run.explained[503 if 500 in lost else 504]

@@ -53,8 +53,7 @@ def test_of_joined_recordings_no_sample_is_both_fitted_and_judged() -> None:
     assert not joined.apart
     assert joined.fitted == (*whole.fitted, *whole.judged)
     assert joined.used[:2] == whole.used
-    (_, counted), *_ = joined.predictions(whole.nominal)
-    fitted, judging = joined.used[2], counted
+    fitted, judging = joined.used[2], joined.predictions(whole.nominal)[0].counted
     assert not np.any(fitted & judging)
     assert np.count_nonzero(fitted) > 0.4 * len(fitted)
     assert np.count_nonzero(judging) > 0.4 * len(fitted)
@@ -66,8 +65,8 @@ def test_of_joined_blocks_half_of_what_judged_judges_on() -> None:
     joined = whole.joined()
     assert joined.fitted == joined.judged == whole.fitted
     before, after = (evidence.predictions(whole.nominal) for evidence in (whole, joined))
-    for fitted, (_, judged), (_, judging) in zip(joined.used, before, after, strict=True):
-        length = len(fitted)
+    for fitted, one, other in zip(joined.used, before, after, strict=True):
+        length, judged, judging = len(fitted), one.counted, other.counted
         assert not np.any(judging & ~judged)
         assert np.count_nonzero(judging) == pytest.approx(0.25 * length, abs=10)
         assert np.count_nonzero(fitted) > 0.55 * length

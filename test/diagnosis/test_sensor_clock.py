@@ -54,7 +54,7 @@ def test_a_clock_and_the_ages_of_readings_are_found(clock: float) -> None:
     for recording in evidence.fitted:
         off = (recording.reading_age - AGE * clock) / clock
         assert abs(off - round(off)) * clock < 0.1 * PERIOD + 0.02 * clock
-    prediction, counted = heldout_prediction(rig, recordings[0], Conditions())
+    prediction, counted, _ = heldout_prediction(rig, recordings[0], Conditions())
     assert np.std((recordings[0].measured - prediction)[counted]) < 1.2 * NOISE
 
 

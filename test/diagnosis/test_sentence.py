@@ -204,6 +204,16 @@ def test_parameters_that_moved_are_named_and_undetermined_ones_are_not() -> None
     assert "from 90 nm to 17 nm" in said
 
 
+def test_parameters_of_one_name_are_told_apart() -> None:
+    lags = PAPER.with_link("amplifier_lag").with_link("sensor_lag", curvature=0.1)
+    changes = {
+        ("amplifier_lag", "curvature"): Setting(0.15, (0.14, 0.16)),
+        ("sensor_lag", "curvature"): Setting(0.11, (0.105, 0.115)),
+    }
+    said = sentence(PARAMETERS, [], GAP, lags, lags.with_settings(changes), [], [], SCALES)
+    assert "amplifier_lag.curvature by +50 %, sensor_lag.curvature by +10 %." in said
+
+
 @pytest.mark.parametrize(("share", "expected"), [(0.82, "82 %"), (0.05, "disturbance")])
 def test_an_unknown_gap_says_how_large_where_and_whether_the_voltage_makes_it(
     share: float, expected: str

@@ -167,3 +167,12 @@ def test_triangles_of_two_rates_and_nothing_between() -> None:
     assert np.all(np.isfinite(found.rates))
     assert np.all(np.isfinite(found.widths))
     assert 0.5 < found.growth / 60e-9 < 1.1  # a decade apart, less what corners smear
+
+
+@pytest.mark.parametrize("rate", [0.02, 0.05])
+def test_a_loop_is_no_drift_however_slow_the_drive(rate: float) -> None:
+    """A play over a slow drive bends slowly as well, but as often as the voltage turns."""
+    time = PERIOD * np.arange(200_000)
+    voltage = 75.0 - 75.0 * np.cos(2.0 * np.pi * rate * time)
+    play = 30e-9 * np.sign(np.sin(2.0 * np.pi * rate * time))
+    assert not said(planted(voltage, play))["thermal_drift"].agrees

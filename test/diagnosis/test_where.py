@@ -208,3 +208,30 @@ def test_recordings_of_two_clocks_go_together() -> None:
     found = [place for place in locate([one, other], NOISE) if place.axis == "frequency_Hz"]
     assert found
     assert all(place.low < 50.0 < place.high for place in found)
+
+
+def test_a_contact_lies_at_one_place_whatever_the_zeros_of_the_recordings() -> None:
+    voltage = loops()
+    x = motion(voltage)
+    pressed = -0.1 * np.maximum(x - 12e-6, 0.0)
+    found = []
+    for zeros in ((0.0, 0.0), (-3e-6, 3e-6), (-50e-6, 50e-6)):
+        residuals = [
+            replace(planted(voltage, pressed, seed, predicted=x + zero), zero=zero)
+            for seed, zero in enumerate(zeros)
+        ]
+        found.append(on("displacement_m", locate(residuals, NOISE)).low)
+    assert found[0] == pytest.approx(12e-6, abs=0.6e-6)
+    assert found[1:] == pytest.approx([found[0]] * 2, abs=1e-8)
+
+
+def test_a_line_is_placed_as_closely_as_its_spectrum_shows() -> None:
+    """No frequency is negative, however slow the line, and a short recording shows a wide one."""
+    for period, frequency in ((0.05, 0.31), (5e-6, 23_000.0)):
+        voltage = loops(30000)
+        time = period * np.arange(len(voltage))
+        planned = planted(voltage, 60e-9 * np.sin(2.0 * np.pi * frequency * time))
+        recording = replace(planned.recording, sample_period=period)
+        line = on("frequency_Hz", locate([replace(planned, recording=recording)], NOISE))
+        assert 0.0 <= line.low < frequency < line.high
+        assert line.high - line.low >= 1.0 / time[-1]

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
+from microgripper_control.identification.determined import freedom
 from microgripper_control.identification.fit import Fit, fit
 from microgripper_control.identification.nuisance import Conditions
+from microgripper_control.identification.problem import Problem
 from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model, Setting, nominal_model
 from microgripper_control.plant.simulate import Initial, simulate
@@ -166,3 +170,48 @@ def test_a_recording_that_never_moves_is_refused(still: str) -> None:
     measured = np.zeros(100) if still == "displacement" else moving * 1e-7
     with pytest.raises(MicrogripperError, match="never changes"):
         fit(nominal_model(), [Recording("still", 1e-3, voltage, measured)])
+
+
+@pytest.mark.parametrize(("frequency", "damping"), [(1300.0, 0.17), (1300.0, 0.03), (4000.0, 0.1)])
+@pytest.mark.parametrize("sweep", [False, True])
+def test_a_resonance_far_from_the_models_is_found(
+    frequency: float, damping: float, *, sweep: bool
+) -> None:
+    """The paper's actuator resonates at 18 kHz, the maker's figures say 1.3 kHz."""
+    period, count = 1e-4, 3000
+    nominal = nominal_model()
+    springs = nominal.value("second_order", "k") + nominal.value("second_order", "k_s")
+    omega = 2.0 * np.pi * frequency
+    m = springs / omega**2
+    planted = {("second_order", "m"): m, ("second_order", "b"): 2.0 * damping * m * omega}
+    time = period * np.arange(count)
+    if sweep:
+        voltage = 70.0 + 60.0 * np.sin(2.0 * np.pi * (5.0 + 4000.0 * time) * time)
+    else:
+        voltage = np.repeat(np.random.default_rng(8).uniform(0.0, 140.0, 30), 100)
+    rig = mistuned(nominal, 1.1, 0.95, 1.05, 0.9).with_values(planted)
+    found = fit(nominal, [record(rig, voltage, 9, period)])
+    for key, value in planted.items():
+        assert found.model.value(*key) == pytest.approx(value, rel=0.02), key
+    assert found.rmse[0] < 1.1 * NOISE
+    assert not found.undetermined or all(u.key[1] not in "mb" for u in found.undetermined)
+
+
+def test_a_nominal_value_that_diverges_beside_those_found_is_not_returned_to() -> None:
+    """The actuator of the maker's figures moves seven times as far: no error, whatever is found."""
+    rig = nominal_model().with_values({("bouc_wen", "d"): 9.9543e-07})
+    time = 1e-4 * np.arange(3000)
+    voltage = 70.0 + 60.0 * np.sin(2.0 * np.pi * (5.0 + 4000.0 * time) * time)
+    heavy = rig.with_values({("second_order", "m"): 0.5, ("second_order", "b"): 60.0})
+    found = fit(nominal_model(), [record(heavy, voltage, 10, 1e-4)])
+    assert np.isfinite(found.rmse[0])
+
+
+def test_what_a_model_lacks_leaves_few_independent_samples() -> None:
+    recordings = [record(nominal_model().with_link("creep"), growing_loops(2000), 11)]
+    keys = [("bouc_wen", name) for name in NAMES]
+    problem = Problem(nominal_model(), recordings, Conditions(), tuple(keys))
+    white = replace(problem, recordings=[record(nominal_model(), growing_loops(2000), 12)])
+    z = problem.point(problem.model, [0.0])
+    assert freedom(problem, z) < 100.0
+    assert freedom(white, z) > 1500.0

@@ -57,7 +57,7 @@ def test_the_course_of_a_hum_and_a_drift_belongs_to_the_recording() -> None:
     own = 3e-7 * np.sin(2.0 * np.pi * 50.0 * time + 1.1) + 4e-7 * time
     noisy = Recording("run", 1e-3, VOLTAGE.copy(), clean.measured + own)
     model = nominal_model().with_link("mains_hum", frequency=50.0).with_link("thermal_drift")
-    prediction, counted = heldout_prediction(model, noisy, Conditions())
+    prediction, counted, _ = heldout_prediction(model, noisy, Conditions())
     assert np.max(np.abs((noisy.measured - prediction)[counted])) < 2e-9
 
 
@@ -69,10 +69,10 @@ def test_readings_are_rounded_where_the_recording_has_its_grid() -> None:
     shown = tare + step * np.rint((clean.measured + hum) / step)
     coarse = Recording("run", 1e-3, VOLTAGE.copy(), shown)
     model = nominal_model().with_link("mains_hum", frequency=50.0)
-    smooth, counted = heldout_prediction(model, coarse, Conditions())
-    rounded, _ = heldout_prediction(
+    smooth, counted, _ = heldout_prediction(model, coarse, Conditions())
+    rounded = heldout_prediction(
         model.with_link("sensor_quantization", resolution=step), coarse, Conditions()
-    )
+    ).prediction
     off = (rounded - shown) / step
     assert np.allclose(off, np.rint(off), atol=1e-6)
     assert np.mean(np.abs(off[counted]) < 0.5) > 0.95
@@ -104,8 +104,17 @@ def test_heldout_blocks_do_not_influence_their_prediction() -> None:
     counted = blocks(len(clean), odd=False)
     spoiled[counted] += 5e-7
     other = Recording("run", 1e-3, VOLTAGE.copy(), spoiled)
-    first, mask = heldout_prediction(nominal_model(), clean, Conditions())
-    second, _ = heldout_prediction(nominal_model(), other, Conditions())
+    first, mask, _ = heldout_prediction(nominal_model(), clean, Conditions())
+    second = heldout_prediction(nominal_model(), other, Conditions()).prediction
     assert np.array_equal(first, second)
     assert np.array_equal(mask, counted)
     assert np.max(np.abs((clean.measured - first)[mask])) < 1e-12
+
+
+@pytest.mark.parametrize("beta", [0.03, 0.06, 0.1])
+def test_what_began_may_be_forgotten_within_a_few_samples(beta: float) -> None:
+    model = nominal_model().with_values({("bouc_wen", "beta"): beta, ("bouc_wen", "gamma"): 0.0})
+    voltage = np.where(np.arange(400) % 5 < 2, 0.0, 160.0)
+    fast = Recording("fast", 1e-3, voltage, simulate(model, voltage, 1e-3) + 2e-6)
+    nuisance = fit_nuisance(model, fast, Conditions())
+    assert nuisance.offset == pytest.approx(2e-6, abs=1e-8)

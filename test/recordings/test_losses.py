@@ -35,3 +35,14 @@ def test_time_that_runs_backwards_is_no_gap() -> None:
     for tick in (*range(500), *range(500)):
         samples.note(tick * MILLISECOND)
     assert samples.missing == 0
+
+
+def test_two_publishers_by_turns_lose_nothing() -> None:
+    sequence = Sequence()
+    for number in range(1, 100):
+        sequence.note(50_000 + number)
+        sequence.note(number)
+    assert (sequence.count, sequence.lost) == (198, 0)
+    sequence.note(50_105)
+    sequence.note(100)
+    assert sequence.lost == 5

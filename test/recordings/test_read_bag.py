@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -212,3 +213,17 @@ def test_messages_in_order_of_receipt(tmp_path: Path) -> None:
             assert (at, topic.type) == ((COUNT - 1) * PERIOD + 5, FLOAT64)
             assert STORE.deserialize_cdr(content, FLOAT64) == STORE.types[FLOAT64](1.0)
             assert len(list(bag.messages(bag.topics[1:]))) == COUNT
+
+
+def test_a_topic_that_drivers_share(tmp_path: Path) -> None:
+    """Each has a joint of its own; that of the finger is read, though it comes second."""
+    other = [joint_state(k * PERIOD, [5e-3], [7.0], names=["stage"]) for k in range(COUNT)]
+    own = [replace(one, at=one.at + PERIOD // 2) for one in samples()]
+    recording = read_recording(write(tmp_path / "run", [*other, *own]))
+    assert np.array_equal(recording.voltage, np.arange(float(COUNT)))
+    assert np.allclose(recording.measured, 1e-6 * np.arange(COUNT), atol=1e-18)
+    assert recording.warnings == (f"/joint_states: {COUNT} messages are of other joints",)
+    wrist = [joint_state(k * PERIOD + 9, [5e-3], [7.0], names=["wrist"]) for k in range(COUNT)]
+    assert "has messages of stage, wrist; call the one to be read 'finger'" in complaint(
+        write(tmp_path / "others", [*other, *wrist])
+    )

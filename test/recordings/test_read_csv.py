@@ -182,3 +182,32 @@ def test_a_csv_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
         write_csv(Path("/dev/null/run.csv"), recording)
     write_csv(tmp_path / "out" / "run.csv", recording)
     assert [file.name for file in (tmp_path / "out").iterdir()] == ["run.csv"]
+
+
+def test_a_last_line_that_was_cut_off_is_left_out(tmp_path: Path) -> None:
+    rows = [f"{1e-3 * k:.3f},{k},{k}.5e-7" for k in range(40)]
+    path = tmp_path / "killed.csv"
+    path.write_text("time_s,voltage_V,displacement_m\n" + "\n".join(rows)[:-3])
+    recording = read_recording(path)
+    assert len(recording) == 39
+    assert recording.measured.max() < 1e-5
+    assert recording.warnings == (
+        "the last line has no end and may be cut off within a number: it was left out",
+    )
+
+
+def test_decimal_commas_behind_a_first_row_of_whole_numbers(tmp_path: Path) -> None:
+    rows = ["0,0,0", *(f"{k},{k},5,1,25" for k in range(1, 40))]
+    path = tmp_path / "commas.csv"
+    path.write_text("\n".join(["time_s,voltage_V,displacement_m", *rows, ""]))
+    with pytest.raises(MicrogripperError, match="the last line: 5 cells, the header has 3; with"):
+        read_recording(path)
+
+
+def test_a_setpoint_of_another_name_may_be_missing_as_well(tmp_path: Path) -> None:
+    rows = [f"{1e-3 * k:.3f},{k},{k}e-7,{'' if k < 5 else k}" for k in range(40)]
+    path = tmp_path / "run.csv"
+    path.write_text("\n".join(["time_s,voltage_V,displacement_m,ref", *rows, ""]))
+    recording = read_recording(path, Mapping.parse(["setpoint=ref*1e-7"]))
+    assert recording.setpoint is not None
+    assert np.count_nonzero(np.isnan(recording.setpoint)) == 5

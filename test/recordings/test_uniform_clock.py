@@ -194,3 +194,24 @@ def test_samples_that_are_stamped_in_bursts_are_an_error(burst: int, count: int)
     time = burst * PERIOD * (k // burst) + 1e-6 * (k % burst)
     with pytest.raises(MicrogripperError, match="come in bursts: "):
         read(time, when=PERIOD * k)
+
+
+def test_a_gap_among_jittering_stamps_does_not_count() -> None:
+    jitter = 0.1 * PERIOD * np.random.default_rng(3).standard_normal(COUNT)
+    there = np.r_[:700, 1200:COUNT]
+    recording = read((TIME + jitter)[there], when=TIME[there])
+    assert len(recording) == pytest.approx(COUNT, abs=2)
+    assert np.count_nonzero(~recording.present) == pytest.approx(498, abs=3)
+    assert not np.any(recording.present[705:1195])
+    assert any(line.startswith("missing samples: 500;") for line in recording.warnings)
+
+
+def test_samples_that_were_overtaken_are_put_in_order() -> None:
+    order = np.arange(COUNT)
+    order[[300, 301]] = order[[301, 300]]
+    order[[800, 801, 802]] = order[[802, 800, 801]]
+    recording = read(TIME[order])
+    assert np.array_equal(recording.measured, displacement_at(TIME))
+    assert recording.warnings == (
+        "overtaken by the next: 2 samples; they were put in the order of stamps",
+    )

@@ -117,7 +117,7 @@ def _judged(
     noise = NOISE * np.random.default_rng(100 + seed).standard_normal(samples)
     recording = Recording(name, T, voltage, simulate(models[-1], voltage, T) + noise)
     predicted = [heldout_prediction(model, recording, conditions) for model in models]
-    return Judged(recording, predicted[0][1], *(prediction for prediction, _ in predicted))
+    return Judged(recording, predicted[0].counted, *(one.prediction for one in predicted))
 
 
 def _candidates(final: Model) -> tuple[Candidate, ...]:

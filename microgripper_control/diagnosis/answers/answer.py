@@ -161,7 +161,7 @@ def _note(name: str, pool: Pool) -> str:
         for bound in limits.get((name, parameter.name), (parameter.low, parameter.high)):
             near = abs(value - bound) <= AT_BOUND * max(abs(bound), abs(value))
             if parameter.fitted and near and bound != parameter.vanishing:
-                bounds.append(f"{parameter.name} at its bound {bound:g} {parameter.unit}")
+                bounds.append(f"{parameter.name} at its bound {bound:g}{parameter.suffix}")
     return "; ".join(bounds)
 
 

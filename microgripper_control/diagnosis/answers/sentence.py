@@ -17,7 +17,7 @@ from microgripper_control.diagnosis.findings import (
 )
 from microgripper_control.effects.base import Scales, Values
 from microgripper_control.effects.registry import registry
-from microgripper_control.plant.model import Model, Setting
+from microgripper_control.plant.model import Model, Setting, title
 
 MOVED = 0.01  # of a parameter: a smaller correction is not spoken of
 MOST_MOVED = 3
@@ -159,12 +159,13 @@ def _moved(nominal: Model, model: Model) -> str:
             low, high = after.interval or (after.value, after.value)
             change = (after.value - before.value) / abs(before.value) if before.value else 0.0
             if abs(change) >= MOVED and not low <= before.value <= high:
-                changes[name] = change
-    most = sorted(changes, key=lambda name: -abs(changes[name]))[:MOST_MOVED]
+                changes[link, name] = change
+    most = sorted(changes, key=lambda key: -abs(changes[key]))[:MOST_MOVED]
     if not most:
         return "The model's parameters are a little off, and nothing else."
     said = [
-        f"{name} by {'+' if changes[name] > 0.0 else ''}{percent(changes[name])}" for name in most
+        f"{title(key)} by {'+' if changes[key] > 0.0 else ''}{percent(changes[key])}"
+        for key in most
     ]
     return f"The model's parameters are off, and nothing else: {', '.join(said)}."
 

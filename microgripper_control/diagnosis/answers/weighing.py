@@ -36,11 +36,12 @@ import numpy as np
 
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.data.grid import unrounded
-from microgripper_control.diagnosis.data.noise import independent_samples, removable
+from microgripper_control.diagnosis.data.noise import removable
 from microgripper_control.diagnosis.findings import NONE, PARAMETERS, UNKNOWN, Signature
 from microgripper_control.diagnosis.fits.trial import Trial, evenly
 from microgripper_control.diagnosis.search.pool import Pool, is_read_off
 from microgripper_control.effects.registry import registry
+from microgripper_control.identification.confidence import independent_samples
 
 Explanation = frozenset[str]
 NOTHING: Explanation = frozenset([NONE])

@@ -25,6 +25,7 @@ from microgripper_control.effects.base import Scales
 from microgripper_control.identification.nuisance import (
     BLOCKS,
     Conditions,
+    Heldout,
     Mask,
     all_in_time,
     blocks,
@@ -179,21 +180,19 @@ class Evidence:
             return self
         return replace(self, used=tuple(masks))
 
-    def predictions(self, model: Model) -> list[tuple[Array, Mask]]:
-        """Of each judged recording: the prediction, m, and the samples that judge."""
+    def predictions(self, model: Model) -> list[Heldout]:
+        """What a model says of each judged recording; the samples that judge count."""
         found = [heldout_prediction(model, recording, self.conditions) for recording in self.judged]
         return [
-            (prediction, counted & compared)
-            for (prediction, counted), compared in zip(found, self.compared, strict=True)
+            one._replace(counted=one.counted & compared)
+            for one, compared in zip(found, self.compared, strict=True)
         ]
 
     def errors(self, model: Model) -> list[Array]:
         """Measured minus predicted on the judging samples of each judged recording, m."""
         return [
-            (recording.measured - prediction)[counted]
-            for recording, (prediction, counted) in zip(
-                self.judged, self.predictions(model), strict=True
-            )
+            (recording.measured - said.prediction)[said.counted]
+            for recording, said in zip(self.judged, self.predictions(model), strict=True)
         ]
 
 

@@ -13,7 +13,6 @@ import numpy as np
 from scipy.linalg import solve_toeplitz
 
 from microgripper_control.core.signals import Array
-from microgripper_control.identification.confidence import autocorrelation_time
 
 ORDER = 16  # samples of the past
 NORMAL = 1.4826  # standard deviation of a normal distribution, in medians of its magnitude
@@ -68,11 +67,6 @@ def quietest(errors: Sequence[Array]) -> float:
 def _covariance(error: Array) -> Array:
     """Sums of products, m^2, of samples 0 .. ORDER apart."""
     return np.array([error[lag:] @ error[: len(error) - lag] for lag in range(ORDER + 1)])
-
-
-def independent_samples(errors: Sequence[Array]) -> float:
-    """How many independent samples a correlated residual amounts to."""
-    return float(sum(len(error) / autocorrelation_time(error) for error in errors))
 
 
 def removable(rmse: float, floor: float) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.data.evidence import Evidence
-from microgripper_control.identification.nuisance import Mask, heldout_prediction
+from microgripper_control.identification.nuisance import Heldout, Mask, heldout_prediction
 from microgripper_control.plant.model import Model
 
 STILL = 1e-3  # of the largest change between two samples: below it the voltage is held
@@ -23,11 +23,17 @@ class Residual:
     recording: Recording
     error: Array  # m, shape (n,), measured minus predicted
     counted: Mask  # shape (n,), the samples that count
+    zero: float = 0.0  # m, how much higher the sensor's zero is than on average of the recordings
 
     @property
     def period(self) -> float:
         """Between two samples, s."""
         return self.recording.sample_period
+
+    @property
+    def position(self) -> Array:
+        """What the sensor shows, m, shape (n,), with the same zero for all recordings."""
+        return self.recording.measured - self.zero
 
     @property
     def rate(self) -> Array:
@@ -83,19 +89,28 @@ def gap_energy(residuals: Sequence[Residual], noise: float) -> float:
 
 def residuals_of(evidence: Evidence, model: Model) -> tuple[list[Residual], list[Residual]]:
     """What a model leaves where it was fitted and where it is judged."""
-    judging = zip(evidence.judged, evidence.predictions(model), strict=True)
-    return fitted_residuals(evidence, model), [
-        _left(r, prediction, counted) for r, (prediction, counted) in judging
-    ]
+    recordings = [*evidence.fitted, *evidence.judged]
+    left = _left(recordings, [*_of_the_fitted(evidence, model), *evidence.predictions(model)])
+    return left[: len(evidence.fitted)], left[len(evidence.fitted) :]
 
 
 def fitted_residuals(evidence: Evidence, model: Model) -> list[Residual]:
     """What a model leaves where it was fitted."""
+    return _left(evidence.fitted, _of_the_fitted(evidence, model))
+
+
+def _of_the_fitted(evidence: Evidence, model: Model) -> list[Heldout]:
+    """What a model says of each fitted recording; the fitted samples count."""
+    said = [heldout_prediction(model, r, evidence.conditions) for r in evidence.fitted]
     return [
-        _left(r, heldout_prediction(model, r, evidence.conditions)[0], used & r.explained)
-        for r, used in zip(evidence.fitted, evidence.used, strict=True)
+        one._replace(counted=used & r.explained)
+        for r, one, used in zip(evidence.fitted, said, evidence.used, strict=True)
     ]
 
 
-def _left(recording: Recording, prediction: Array, counted: Mask) -> Residual:
-    return Residual(recording, recording.measured - prediction, counted)
+def _left(recordings: Sequence[Recording], said: Sequence[Heldout]) -> list[Residual]:
+    usual = float(np.mean([one.zero for one in said]))
+    return [
+        Residual(r, r.measured - one.prediction, one.counted, one.zero - usual)
+        for r, one in zip(recordings, said, strict=True)
+    ]

@@ -13,7 +13,7 @@ from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.fits.trial import Trial, problem_of
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.confidence import autocorrelation_time, interval
-from microgripper_control.identification.determined import variances
+from microgripper_control.identification.determined import freedom, variances
 from microgripper_control.identification.nuisance import own_courses
 from microgripper_control.identification.problem import Problem
 from microgripper_control.plant.model import Model, Setting
@@ -27,11 +27,11 @@ def identified(evidence: Evidence, trial: Trial) -> Model:
     problem = problem_of(evidence, trial.model, trial.free)
     z = problem.point(trial.model, trial.initial_hysteresis)
     spread = variances(problem, z)
-    freedom = problem.samples - len(z)
+    left_over = freedom(problem, z)
     settings = {}
     for index, key in enumerate(problem.free):
         value, scale = trial.model.value(*key), float(problem.scales[index])
-        bounds = interval(value, float(spread[index]) * scale**2, freedom)
+        bounds = interval(value, float(spread[index]) * scale**2, left_over)
         if problem.by_sample(index):
             bounds = _without_a_trace(problem, z, index)
         settings[key] = Setting(value, allowed(bounds, registry()[key[0]].parameter(key[1])))

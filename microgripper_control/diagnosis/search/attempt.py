@@ -140,24 +140,28 @@ def _from_all_starts(
     near = any(fit.fitted_rmse < too_far for fit in found)
     if not (alone and near):
         return found
-    return [*found, *_gone_on_with(part, found, name, FAR_OFF * scrutiny.known)]
+    return [*found, *_gone_on_with(part, found, name, scrutiny)]
 
 
-def _gone_on_with(part: Evidence, found: Sequence[Trial], name: str, too_far: float) -> list[Trial]:
+def _gone_on_with(
+    part: Evidence, found: Sequence[Trial], name: str, scrutiny: Scrutiny
+) -> list[Trial]:
     """Longer fits of the best of each kind: of a costly effect's, and of all in a close race.
 
     The kind that is ahead after a few steps need not be the rig's, so those close to it are fitted
-    as long as they fall; but a race that is only won beyond `too_far`, m, is not run.
+    as long as they fall; but a race that is only won where it is hopeless, or far off, is not run.
     """
     best = best_of_each_kind(found, name)
     longer: list[Trial] = []
+    steps = STEPS
     if any(is_costly(part, fit.model) for fit in found):
-        best = longer = [fit_on(part, fit, ROUGH, ROUND_STEPS) for fit in best]
+        steps = ROUND_STEPS
+        best = longer = [fit_on(part, fit, ROUGH, steps) for fit in best]
     least = min(fit.fitted_rmse for fit in best)
     running = [fit for fit in best if fit.fitted_rmse <= CLOSE_BEHIND * least]
-    if len(running) < 2 or least > too_far:
+    if len(running) < 2 or least > min(FAR_OFF * scrutiny.known, scrutiny.hopeless):
         return longer
-    return [*longer, *(_while_it_falls(part, fit) for fit in running)]
+    return [*longer, *(_while_it_falls(part, fit, steps) for fit in running)]
 
 
 def _best_judged(evidence: Evidence, found: Sequence[Trial]) -> Trial:
@@ -200,7 +204,7 @@ def _carried(
     # the way back from what they made of it is long as well.
     more = evidence.pieces(MANY)
     others = [moved(more, fit) for fit in best_of_each_kind(found, name)]
-    further = _least([_while_it_falls(more, fit) for fit in others])
+    further = _least([_while_it_falls(more, fit, ROUND_STEPS) for fit in others])
     if further is not None and more is not evidence:
         further = _on_all(evidence, [further])
         further = further and fit_on(evidence, further, ROUGH, SETTLING_IN, fresh=())
@@ -212,11 +216,11 @@ def _on_all(evidence: Evidence, fits: Sequence[Trial]) -> Trial | None:
     return _least([unfitted(evidence, moved(evidence, fit)) for fit in fits])
 
 
-def _while_it_falls(evidence: Evidence, trial: Trial) -> Trial:
-    """Fit on in rounds, as long as each leaves clearly less than the one before."""
+def _while_it_falls(evidence: Evidence, trial: Trial, steps: int) -> Trial:
+    """Fit on in rounds of some steps, as long as each leaves clearly less than the one before."""
     left = math.inf
     for _ in range(ROUNDS):
-        trial = fit_on(evidence, trial, ROUGH, ROUND_STEPS)
+        trial = fit_on(evidence, trial, ROUGH, steps)
         if not trial.fitted_rmse < FALLING * left:
             break
         left = trial.fitted_rmse

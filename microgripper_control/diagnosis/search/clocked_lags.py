@@ -23,7 +23,7 @@ from microgripper_control.diagnosis.search.pool import Pool
 from microgripper_control.diagnosis.search.schedule import side_by_side
 from microgripper_control.diagnosis.search.sensor_clock import on_its_clocks, retimed
 from microgripper_control.effects.registry import registry
-from microgripper_control.identification.reading_age import DELAY
+from microgripper_control.identification.reading_age import DELAY, can_be_late
 from microgripper_control.plant.model import Model
 
 NO_CAUSE = 2.0  # times what the best leaves: a lag that leaves more without a clock is none,
@@ -36,7 +36,12 @@ Lag = tuple[Trial, Evidence, float]  # what explains it by a mean lag, too long 
 def on_the_sensors_clock(pool: Pool, jobs: int = -1) -> Pool:
     """The pool, with the sensor's clock if there is one; the lags are then tried with it."""
     best = pool.best(1, len(pool.tried))
-    lags = [trial for trial in best if _clocked(trial, pool.evidence)]
+    period = max(recording.sample_period for recording in pool.evidence.fitted)
+    lags = [
+        trial
+        for trial in best
+        if _clocked(trial, pool.evidence) and can_be_late(trial.model, period)
+    ]
     if pool.nominal.model.clock > 0.0 or not lags or not pool.leaves_more(best[0]):
         return pool
     if lags[0].both > NO_CAUSE * best[0].both:

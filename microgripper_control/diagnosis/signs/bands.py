@@ -11,6 +11,7 @@ from scipy.ndimage import median_filter
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.data.residuals import Residual, gap_energy, gap_power
 from microgripper_control.diagnosis.findings import Range
+from microgripper_control.diagnosis.signs.reversals import since_turn
 from microgripper_control.diagnosis.signs.spectra import (
     PADDING,
     Spectrum,
@@ -171,7 +172,8 @@ def _peak(spectrum: Spectrum, density: Array, around: Array, at: int, contrast: 
     inside = slice(max(0, at - lobe), at + lobe + 1)
     power = float(np.sum(np.maximum(density[inside] - around[inside], 0.0))) * step
     if line:
-        low, high = float(centre) - LINE, float(centre) + LINE
+        half_width = max(min(LINE, 0.5 * float(centre)), 0.5 * spectrum.resolution)
+        low, high = max(0.0, float(centre) - half_width), float(centre) + half_width
     else:
         low, high = float(frequency[first]), float(frequency[last])
     return Peak(float(centre), low, high, power, contrast, line)
@@ -209,7 +211,8 @@ def slow_share(residuals: Sequence[Residual], noise: float) -> float:
     """How much of the gap is slower than SLOW and no function of the voltage, 0 .. 1.
 
     A recording counts where a slow course leaves much less than a loop over the voltage. The course
-    is fitted on all of its samples, as a block is shorter than what is looked for.
+    is fitted on all of its samples, as a block is shorter than what is looked for, and bends less
+    often than the voltage turns: any loop would pass for one that bends as often.
     """
     gap = gap_energy(residuals, noise)
     taken = 0.0
@@ -218,9 +221,10 @@ def slow_share(residuals: Sequence[Residual], noise: float) -> float:
         count = len(residual.error) // size
         means = residual.error[: count * size].reshape(count, size).mean(axis=1)
         drive = _branches(residual.recording.voltage)[: count * size : size]
-        terms = max(2, round(2.0 * SLOW * residual.recording.duration))
+        *_, turns = since_turn(residual)
+        bends = min(round(2.0 * SLOW * residual.recording.duration), turns // 2, count // 4)
         place = (np.arange(count) + 0.5) * np.pi / count
-        courses = np.cos(np.outer(place, np.arange(1, terms + 1)))
+        courses = np.cos(np.outer(place, np.arange(1, max(2, bends) + 1)))
         alone = _left(means, courses)
         driven = _left(means, drive)
         slow = float(np.sum((means - means.mean()) ** 2)) - alone

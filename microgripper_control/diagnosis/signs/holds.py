@@ -25,7 +25,7 @@ class Growth:
 
 
 def growth_in_holds(residuals: Sequence[Residual], after: float) -> Growth | None:
-    """The logarithmic growth over holds longer than ten times `after`, s; None for too few."""
+    """The logarithmic growth over holds longer than five times `after`, s; None for too few."""
     slopes, weights, changes, explained, longest = [], [], 0.0, 0.0, 0.0
     for residual in residuals:
         still = residual.hold_time

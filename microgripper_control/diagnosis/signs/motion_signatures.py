@@ -86,7 +86,7 @@ def _per_rate(power: Array, rate: Array, chosen: Mask) -> float:
 def thresholds(residuals: Sequence[Residual], noise: float) -> list[Signature]:
     """A bend of the residual over the voltage (saturation) and over the displacement (contact)."""
     level = find_onset(residuals, lambda residual: residual.recording.voltage, noise)
-    place = find_onset(residuals, lambda residual: residual.recording.measured, noise)
+    place = find_onset(residuals, lambda residual: residual.position, noise)
     return [
         _bend("saturation", level, "voltage", "Above", ("V", "V", 1.0)),
         _bend("contact", place, "displacement", "Beyond", ("m", "µm", 1e-6)),

@@ -31,7 +31,7 @@ def after_turns(residuals: Sequence[Residual]) -> AfterTurns | None:
     bins, signed = [], []
     count = 0
     for residual in residuals:
-        direction, travel, turns = _since_turn(residual)
+        direction, travel, turns = since_turn(residual)
         known = residual.counted & (direction != 0.0)
         error = residual.error - np.mean(residual.error[residual.counted])
         bins.append(np.searchsorted(EDGES, travel[known], side="right") - 1)
@@ -66,7 +66,7 @@ def widths_by_rate(residuals: Sequence[Residual]) -> Widths | None:
     """The residual's loop against the rate; None for rates less than half a decade apart."""
     rates, shapes, errors, pieces = [], [], [], []
     for number, residual in enumerate(residuals):
-        direction, travel, _ = _since_turn(residual)
+        direction, travel, _ = since_turn(residual)
         voltage = residual.recording.voltage
         reach = _reach(direction)
         pace = np.abs(voltage[2 * reach :] - voltage[: -2 * reach]) / (
@@ -115,7 +115,7 @@ def _reach(direction: Array) -> int:
     return max(1, min(len(direction) // 400, quick // 8))
 
 
-def _since_turn(residual: Residual) -> tuple[Array, Array, int]:
+def since_turn(residual: Residual) -> tuple[Array, Array, int]:
     """Direction of the predicted motion, distance since its last turn in strokes, and turns."""
     predicted = residual.recording.measured - residual.error
     stroke = float(np.ptp(predicted)) or 1.0

@@ -69,7 +69,7 @@ def locate(residuals: Sequence[Residual], noise: float) -> list[Range]:
 
 
 def _position(residual: Residual) -> Array:
-    return residual.recording.measured
+    return residual.position
 
 
 def _voltage(residual: Residual) -> Array:

@@ -60,7 +60,7 @@ class Begun:
         conditions, model = self.evidence.conditions, self.refit.model
         found = []
         for recording in self.evidence.fitted:
-            predicted, _ = heldout_prediction(model, recording, conditions)
+            predicted = heldout_prediction(model, recording, conditions).prediction
             left = recording.measured - predicted
             counted = conditions.answered(recording)
             found.append(Rest(recording, predicted, left - left[counted].mean(), counted))
@@ -70,7 +70,7 @@ class Begun:
         """What it leaves of those that judge."""
         found = []
         for recording in self.evidence.judged:
-            predicted, counted = heldout_prediction(
+            predicted, counted, _ = heldout_prediction(
                 self.refit.model, recording, self.evidence.conditions
             )
             found.append(Rest(recording, predicted, recording.measured - predicted, counted))
