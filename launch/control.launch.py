@@ -29,7 +29,12 @@ def generate_launch_description() -> LaunchDescription:
             DeclareLaunchArgument("params_file", default_value=usual),
             DeclareLaunchArgument("simulate", default_value="true"),
             DeclareLaunchArgument("lockstep", default_value="", description=AS_IN_THE_FILE),
-            DeclareLaunchArgument("mode", default_value="", description=AS_IN_THE_FILE),
+            DeclareLaunchArgument(
+                "mode",
+                default_value="",
+                description=f"{AS_IN_THE_FILE}; open_loop: without reference, "
+                "whose setpoints are displacements",
+            ),
             DeclareLaunchArgument("watch", default_value="false"),
             OpaqueFunction(function=nodes),
         ]
@@ -49,7 +54,11 @@ def nodes(context: LaunchContext) -> list[Node]:
         "output": "screen",
     }
     file = LaunchConfiguration("params_file")
+    reference = Node(
+        executable="reference", ros_arguments=enclave("reference"), parameters=[file], **common
+    )
     return [
+        *([] if law == "open_loop" else [reference]),
         Node(
             executable="plant_simulator",
             ros_arguments=enclave("plant_simulator"),
@@ -61,12 +70,6 @@ def nodes(context: LaunchContext) -> list[Node]:
             executable="controller",
             ros_arguments=enclave("controller"),
             parameters=[file, *lockstep, *mode],
-            **common,
-        ),
-        Node(
-            executable="reference",
-            ros_arguments=enclave("reference"),
-            parameters=[file],
             **common,
         ),
         Node(

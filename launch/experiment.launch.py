@@ -52,14 +52,13 @@ def nodes(context: LaunchContext) -> list[Action]:
         "output": "screen",
     }
     files = [LaunchConfiguration("params_file"), LaunchConfiguration("experiment_file")]
-    reference = Node(
-        executable="reference", ros_arguments=enclave("reference"), parameters=files, **common
-    )
+    # As it stands: YAML would make a date of 2026-07-01.
+    out = ParameterValue(LaunchConfiguration("out"), value_type=str)
     return [
         Node(
             executable="recorder",
             ros_arguments=enclave("recorder"),
-            parameters=[*files, {"out": LaunchConfiguration("out")}],
+            parameters=[*files, {"out": out}],
             **common,
         ),
         Node(
@@ -75,6 +74,9 @@ def nodes(context: LaunchContext) -> list[Action]:
             parameters=[*files, *lockstep],
             **common,
         ),
-        reference,
-        RegisterEventHandler(OnProcessExit(target_action=reference, on_exit=[Shutdown()])),
+        Node(
+            executable="reference", ros_arguments=enclave("reference"), parameters=files, **common
+        ),
+        # The setpoints have ended, or a node has failed, for which the others would wait.
+        RegisterEventHandler(OnProcessExit(on_exit=[Shutdown(reason="a node has ended")])),
     ]

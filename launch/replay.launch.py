@@ -14,6 +14,7 @@ from launch.substitutions import (
     PythonExpression,
 )
 from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
 from launch_ros.substitutions import FindPackageShare
 
 PACKAGE = "microgripper_control"
@@ -44,7 +45,9 @@ def generate_launch_description() -> LaunchDescription:
         ros_arguments=enclave("player"),
         parameters=[
             file,
-            {"recording": LaunchConfiguration("recording"), "pace": "samples"},
+            # As it stands: YAML would make a date of 2026-07-01.
+            {"recording": ParameterValue(LaunchConfiguration("recording"), value_type=str)},
+            {"pace": "samples"},
             {"partners": partners("plant_simulator")},
         ],
         **common,
@@ -61,7 +64,7 @@ def generate_launch_description() -> LaunchDescription:
             Node(
                 executable="recorder",
                 ros_arguments=enclave("recorder"),
-                parameters=[file, {"out": out}],
+                parameters=[file, {"out": ParameterValue(out, value_type=str)}],
                 condition=IfCondition(NotEqualsSubstitution(out, "")),
                 **common,
             ),
@@ -71,6 +74,7 @@ def generate_launch_description() -> LaunchDescription:
                 parameters=[file, {"lockstep": True, "partners": partners("player")}],
                 **common,
             ),
-            RegisterEventHandler(OnProcessExit(target_action=player, on_exit=[Shutdown()])),
+            # The recording has ended, or one of the nodes has failed.
+            RegisterEventHandler(OnProcessExit(on_exit=[Shutdown(reason="a node has ended")])),
         ]
     )

@@ -33,9 +33,9 @@ CLOSE_ENOUGH = 1e-14  # of the voltage's travel
 class Inverse(ABC):
     """The contract: `step` answers, `applied` tells which voltage the plant really got.
 
-    Begins at rest: 0 V, never driven. The order each tick is `applied(u[k])`, then `step`, whose
-    answer is meant for the step after u[k]; where no limit and no delay comes between, `applied`
-    is told the answer itself.
+    Begins at rest: 0 V, never driven, and with a setpoint that was held. The order each tick is
+    `applied(u[k])`, then `step`, whose answer is meant for the step after u[k]; where no limit and
+    no delay comes between, `applied` is told the answer itself.
     """
 
     def __init__(self, identified: Identified, voltage_range: tuple[float, float]) -> None:
@@ -70,6 +70,9 @@ class Inverse(ABC):
         self._voltage, self._hysteresis = voltage, hysteresis
         self._foreseen = math.nan, math.nan
 
+    def restart(self) -> None:  # noqa: B027 (most remember none)
+        """Forget the setpoints so far: the next is taken as one that was held."""
+
     def take_over(self, other: Inverse) -> None:
         """Go on from the state of another, when the identified values change."""
         self._voltage, self._hysteresis = other.voltage, other.hysteresis
@@ -93,11 +96,15 @@ class PaperInverse(Inverse):
         force = identified.k * identified.d  # N/V
         self._inertia = identified.m / force / sample_period**2
         self._damping = identified.b / force / sample_period
+        self.restart()
+
+    def restart(self) -> None:
+        """As the contract says."""
         self._last: float | None = None
         self._change = 0.0
 
     def step(self, setpoint: float) -> float:
-        """As the contract says; the first setpoint is taken as one that was held."""
+        """As the contract says."""
         change = 0.0 if self._last is None else setpoint - self._last
         voltage = (
             self._inertia * (change - self._change)

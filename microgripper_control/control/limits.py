@@ -86,7 +86,9 @@ class VoltageGuard:
         A sample period at most, and without this call a sample period: what comes late may not
         jump, and samples that come too fast must not make the voltage fast.
         """
-        self._largest_change = self._limits.rate * min(max(elapsed, 0.0), self._period)
+        share = min(max(elapsed, 0.0), self._period)
+        self._largest_change = self._limits.rate * share
+        self._ramp_change = self._limits.ramp_rate * share
         self._stand_at(self._voltage)
 
     def step(self, command: float) -> float:

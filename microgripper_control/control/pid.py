@@ -64,7 +64,8 @@ class Pid:
         With ki = 0 the integral keeps that amount, as a bias.
         """
         old = self._gains
-        derivative = self._bound(self._derivative * gains.kd / old.kd) if old.kd > 0.0 else 0.0
+        begins = gains.derivative_on_measurement != old.derivative_on_measurement or old.kd == 0.0
+        derivative = 0.0 if begins else self._bound(self._derivative * gains.kd / old.kd)
         proportional = (old.kp - gains.kp) * self._error
         self.integral = self._bound(self.integral + proportional + self._derivative - derivative)
         self._derivative = derivative

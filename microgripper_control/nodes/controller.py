@@ -19,6 +19,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
 from microgripper_control.control.controller import Controller, Mode
+from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.nodes import controller_settings, topics
 from microgripper_control.nodes.applied_watch import AppliedWatch
 from microgripper_control.nodes.controller_health import Statistics
@@ -35,10 +36,11 @@ from microgripper_control.nodes.feedback_watch import FeedbackWatch
 from microgripper_control.nodes.health import Health
 from microgripper_control.nodes.managed import ManagedShell
 from microgripper_control.nodes.pairing import Pairing
-from microgripper_control.nodes.parameters import follow_changes
+from microgripper_control.nodes.parameters import follow_changes, model_path
 from microgripper_control.nodes.rivals import Rivals
 from microgripper_control.nodes.shell import POLL, run
 from microgripper_control.nodes.voltage_output import VoltageOutput
+from microgripper_control.plant.model_file import load_model
 
 
 class ControllerNode(ManagedShell):
@@ -68,6 +70,8 @@ class ControllerNode(ManagedShell):
         self._settings = ControllerSettings.of(self._values(NAMES))
         self._settings.compile()
         self._controller = self._settings.controller()
+        for warning in load_model(model_path(self._value("model_file"))).warnings:
+            self.get_logger().warning(warning)
         self._output = VoltageOutput(self)
 
     def cleanup(self) -> None:
@@ -79,6 +83,12 @@ class ControllerNode(ManagedShell):
         """Begin to take samples, in lockstep once the plant takes the answers."""
         period = self._settings.sample_period
         self._lockstep = self._value("lockstep")
+        timeout = self._value(FEEDBACK_TIMEOUT.name)
+        if not self._lockstep and timeout < 2.0 * period:
+            raise MicrogripperError(
+                f"feedback_timeout = {timeout:g} s is less than two samples at "
+                f"sample_rate = {1.0 / period:g} Hz; give at least {2.0 * period:g}"
+            )
         self._awaits = self._lockstep and self._value("await_setpoint")
         patience = self._value("setpoint_wait") * period
         if self._lockstep:
@@ -88,7 +98,7 @@ class ControllerNode(ManagedShell):
         self._exchange = Exchange(
             self._controller,
             self._output,
-            FeedbackWatch(self._value(FEEDBACK_TIMEOUT.name), period),
+            FeedbackWatch(timeout, period),
             AppliedWatch(self._value(APPLY_TIMEOUT.name), self._value(APPLY_TOLERANCE.name)),
             sample_period=period,
             lockstep=self._lockstep,
@@ -173,7 +183,7 @@ class ControllerNode(ManagedShell):
         reach = (limits.low, limits.high) if is_voltage else self._controller.reach
         was_returning = self._intake.returns
         taken = self._intake.take(command, reach, time.monotonic())
-        if was_returning:
+        if was_returning and not self._intake.returns:
             self._exchange.returned()
         if self._pairing.setpoint(taken):
             self._answer_sample()

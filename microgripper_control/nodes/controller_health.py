@@ -78,8 +78,7 @@ class Statistics:
         self._squares, self._compared = 0.0, 0
         wrong = self._what_is_wrong(new) or next(iter(found), "")
         if self._feedback.lost:
-            level = Level.WARN if self._feedback.begun else Level.OK
-            return Health(f"feedback {self._feedback.state}; safe voltage", level, values)
+            return Health(f"feedback {self._feedback.state}; safe voltage", Level.ERROR, values)
         if wrong:
             return Health(wrong, Level.WARN, values)
         if not self._answered:

@@ -13,6 +13,7 @@ from microgripper_control.control.feedforward import InverseKind
 from microgripper_control.control.identified import Identified
 from microgripper_control.control.limits import VoltageLimits
 from microgripper_control.control.pid import PidGains
+from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.nodes.parameters import (
     MODEL_FILE,
@@ -180,6 +181,16 @@ def make_intake(node: Node) -> SetpointIntake:
     )
 
 
+def _suited(
+    identified: Identified, sample_period: float
+) -> tuple[Controller, MicrogripperError | None]:
+    """A controller with what suits a model; where no gains do, one without, and why."""
+    try:
+        return Controller(identified, sample_period), None
+    except MicrogripperError as error:
+        return Controller(identified, sample_period, gains=PidGains(ki=0.0)), error
+
+
 def _declare_law(node: Node) -> None:
     """Declare the parameters NAMES; limits and gains not given are those that suit the model."""
     mode, kind = Mode.CASCADE, InverseKind.EXACT
@@ -195,7 +206,7 @@ def _declare_law(node: Node) -> None:
     )
     name = declare_text(node, "model_file", MODEL_FILE, f"{MODEL_FILE_TEXT}; live")
     rate = declare_number(node, SAMPLE_RATE)
-    suited = Controller(load_identified(name), 1.0 / rate)
+    suited, fault = _suited(load_identified(name), 1.0 / rate)
     limits = {parameter.name: parameter for parameter in VoltageLimits.parameters()}
     for name, field in LIMITS.items():
         nominal = getattr(suited.guard.limits, field)
@@ -204,6 +215,8 @@ def _declare_law(node: Node) -> None:
         node,
         (replace(gain, nominal=getattr(suited.gains, gain.name)) for gain in PidGains.parameters()),
     )
+    if fault and not any(node.get_parameter(gain).value for gain in ("kp", "ki", "kd")):
+        raise fault
     declare_flag(
         node,
         ON_MEASUREMENT,

@@ -69,7 +69,7 @@ class Exchange:
         if not self._lockstep:
             if self.feedback.age(time.monotonic()) > self.feedback.limit:
                 return False  # it has waited while this process stood still
-            guard.passed(self._allowed_time())
+            guard.passed(self._allowed_time(returns=returns))
         if returns:
             guard.ramp_to(guard.limits.safe)
         else:
@@ -97,10 +97,12 @@ class Exchange:
         self.applied.begin(voltage)
         self._resumed = True
 
-    def _allowed_time(self) -> float:
-        """For how much time the rate allows a change, s."""
+    def _allowed_time(self, *, returns: bool) -> float:
+        """For how much time the rate allows a change, s; the ramp's own is slow enough."""
         if self._resumed:  # that has used it up
             return 0.0
+        if returns:
+            return self._output.elapsed
         limits = self._controller.guard.limits
         share = 1.0 if self.applied.proved else limits.ramp_rate / limits.rate
         return self._output.elapsed * share

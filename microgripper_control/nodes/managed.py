@@ -5,7 +5,9 @@ from __future__ import annotations
 import traceback
 from collections.abc import Callable
 
+from lifecycle_msgs.srv import ChangeState
 from rcl_interfaces.srv import ListParameters
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
 from microgripper_control.core.errors import MicrogripperError
@@ -13,6 +15,7 @@ from microgripper_control.nodes.parameters import declare_flag, follow_changes
 from microgripper_control.nodes.shell import Shell
 from microgripper_control.nodes.topics import NAMESPACE
 
+RCLError = rclpy_implementation.RCLError
 SUCCESS = TransitionCallbackReturn.SUCCESS
 
 
@@ -28,12 +31,30 @@ class ManagedShell(LifecycleNode, Shell):
     def __init__(self, name: str) -> None:
         LifecycleNode.__init__(self, name, namespace=NAMESPACE)
         self._equip()
+        self._answer_impossible_requests()
         self.configured = self.active = False
         self._fault: Exception | None = None
         self._starting = False
         self._autostart = declare_flag(
             self, "autostart", True, "configure and activate at start", read_only=True
         )
+
+    def _answer_impossible_requests(self) -> None:
+        """Refuse a change of state that is none from here: rclpy 7 would end the node instead."""
+        service = self._service_change_state
+        change = service.callback
+
+        def answer(
+            request: ChangeState.Request, response: ChangeState.Response
+        ) -> ChangeState.Response:
+            try:
+                return change(request, response)
+            except RCLError as error:
+                self.get_logger().error(f"change_state: {' '.join(str(error).split())}")
+                response.success = False
+                return response
+
+        service.callback = answer
 
     def begin(self) -> None:
         """Configure and activate; raises what stands in the way."""

@@ -56,7 +56,8 @@ class Pairing:
         """Note a setpoint; whether a sample waited for it and can be taken."""
         if self._setpoint is not None:
             self.surplus += 1
-        self._setpoint = value
+        if math.isfinite(value) or self._setpoint is None:  # a good one stays
+            self._setpoint = value
         self._arrived += 1
         return self._sample is not None
 

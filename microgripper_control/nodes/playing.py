@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Protocol
 
@@ -18,6 +19,8 @@ from microgripper_control.nodes.shell import POLL
 from microgripper_control.recordings.bag import Bag
 from microgripper_control.recordings.read import read_recording
 
+TELLING = 5  # samples whose stamps tell the plant's rate, though one be lost
+SAME_RATE = 0.01
 MOST_AT_ONCE = 100  # messages, before a signal is looked for again
 
 
@@ -101,6 +104,8 @@ class AsAnswers:
         self.publishers = [self._answers]
         self.played = 0
         self.is_over = False
+        self._period = recording.sample_period
+        self._stamps: list[int] = []  # ns, of the first samples
 
     def work(self, now: float) -> float:
         """As `Playing` says: the samples set the pace."""
@@ -108,9 +113,27 @@ class AsAnswers:
         return POLL
 
     def _on_sample(self, message: JointState) -> None:
-        following = self._number.of(topics.stamp_of(message)) + 1
+        stamp = topics.stamp_of(message)
+        if len(self._stamps) < TELLING:
+            self._note(stamp)
+        following = self._number.of(stamp) + 1
         last = len(self._voltages) - 1
         self._answer.data = self._voltages[min(following, last)]
         self._answers.publish(self._answer)
         self.played += 1
         self.is_over = following > last
+
+    def _note(self, stamp: int) -> None:
+        """Note the stamp of one of the first samples; MicrogripperError if they tell another rate.
+
+        At another rate voltages would be left out or held, and nobody would see it.
+        """
+        self._stamps.append(stamp)
+        steps = [1e-9 * (b - a) for a, b in pairwise(self._stamps) if b > a]
+        if len(self._stamps) == TELLING and steps:
+            period = min(steps)
+            if abs(period / self._period - 1.0) > SAME_RATE:
+                raise MicrogripperError(
+                    f"the plant samples at {1.0 / period:.6g} Hz, the recording at "
+                    f"{1.0 / self._period:.6g} Hz; set the plant's sample_rate to that"
+                )

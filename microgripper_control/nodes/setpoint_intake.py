@@ -58,15 +58,20 @@ class SetpointIntake:
         return self._silence.left if self._in_row >= STREAM else math.inf
 
     def take(self, setpoint: float, reach: tuple[float, float], now: float) -> float:
-        """The setpoint to go on with, one that came at `now`, s; NaN if it is refused."""
+        """The setpoint to go on with, one that came at `now`, s; NaN if it is refused.
+
+        One that is refused, or not finite, is none: it neither ends a stop nor keeps a stream up.
+        """
+        self.count += 1
+        inside = reach[0] <= setpoint <= reach[1]
+        if not math.isfinite(setpoint):
+            return math.nan
+        if self._out_of_reach is OutOfReach.REFUSE and not inside:
+            self.refused += 1
+            return math.nan
         self._in_row = 1 if self._silence.is_over(now) else min(self._in_row + 1, STREAM)
         self._silence.heard(now)
         self.stopped = False
-        self.count += 1
-        inside = reach[0] <= setpoint <= reach[1]
-        if self._out_of_reach is OutOfReach.REFUSE and math.isfinite(setpoint) and not inside:
-            self.refused += 1
-            return math.nan
         return setpoint
 
     def look(self, now: float) -> None:

@@ -64,6 +64,7 @@ class Descent:
         if now >= self._due and not self.is_over:
             guard = self._guard
             self._repeated += guard.voltage == guard.limits.safe
+            guard.passed(self._period)  # whoever calls, the clock here sets the pace
             guard.ramp_to(guard.limits.safe)
             self._output.send(guard)
             # What was slept through is not caught up on: a bunch would be faster than the rate.

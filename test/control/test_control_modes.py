@@ -222,3 +222,44 @@ def test_a_bad_sample_is_counted_and_the_last_good_one_stands_in(model: Model) -
         np.testing.assert_allclose(loop(plant, controller, bad, old[-1], 3), old[-1], atol=1e-6)
     assert controller.refused == 6
     assert controller.step(9e-6, math.nan, math.nan) == pytest.approx(old[-1], abs=1e-6)
+
+
+@pytest.mark.parametrize("dead_time", [1e-3, 3e-3, 10e-3])
+def test_the_cascade_does_not_act_twice_within_the_dead_time(
+    model: Model, dead_time: float
+) -> None:
+    """What the feedforward has done and the plant does not show yet is no error."""
+    rig = model.with_link("transport_delay", delay=dead_time)
+    identified = replace(NOMINAL, dead_time=dead_time)
+    limits = VoltageLimits(rate=1e6, ramp_rate=1e6)
+    controller = Controller(identified, T, mode=Mode.CASCADE, limits=limits)
+    setpoint = np.where(np.arange(600) < 300, 4e-6, 12e-6)
+    displacement, _ = drive(rig, controller, setpoint)
+    assert displacement[300:].max() < 12e-6 + 0.01 * 8e-6
+    assert displacement[-1] == pytest.approx(12e-6, abs=1e-9)
+
+
+def test_back_in_a_feedforward_that_differentiates_the_setpoint_is_one_that_was_held() -> None:
+    """Equation (6) must not take the way between two spells of its mode for a step."""
+    heavy = nominal_model().with_values({("second_order", "m"): 0.5, ("second_order", "b"): 2e3})
+    fast = 1e-4
+    controller = Controller(
+        identified_from(heavy), fast, mode=Mode.FEEDFORWARD, inverse=InverseKind.PAPER
+    )
+    plant, answer = Plant(heavy, fast), controller.start(0.0)
+    answer = loop(plant, controller, 4e-6, answer, 400)[-1]
+    controller.set_mode(Mode.PID)
+    answer = loop(plant, controller, 12e-6, answer, 4000)[-1]
+    controller.set_mode(Mode.FEEDFORWARD)
+    assert loop(plant, controller, 12e-6, answer, 200) == pytest.approx(answer, abs=1.0)
+
+
+def test_an_open_loop_command_out_of_range_counts_as_out_of_reach() -> None:
+    controller = Controller(NOMINAL, T, mode=Mode.OPEN_LOOP)
+    controller.start(160.0)
+    for _ in range(5):
+        controller.step(500.0, 0.0, 160.0)
+    controller.step(100.0, 0.0, 160.0)
+    assert controller.clamped == 5
+    controller.start(160.0)
+    assert controller.clamped == 0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -114,3 +115,12 @@ def test_gains_out_of_range_are_named() -> None:
     with pytest.raises(MicrogripperError, match=r"ki = -1 is outside its range 0 \.\. 1e\+16 V"):
         PidGains(ki=-1.0)
     assert [p.unit for p in PidGains.parameters()] == ["V/m", "V/(m*s)", "V*s/m", "s"]
+
+
+def test_another_signal_to_differentiate_does_not_jump() -> None:
+    before = PidGains(kp=0.0, ki=0.0, kd=1e4, derivative_filter=0.01)
+    pid = Pid(before, T)
+    last = [pid.step(0.0, 1e-6 * k) for k in range(100)][-1]
+    assert abs(last) > 5.0
+    pid.change_gains(replace(before, derivative_on_measurement=False))
+    assert pid.step(0.0, 100e-6) == pytest.approx(last)

@@ -250,3 +250,34 @@ def test_its_health_tells_of_what_is_wrong(start: Start, watcher: Watcher) -> No
         lambda: loop.answer(0.0, loop.answers[-1].data) is not None and told(wrong), "what is wrong"
     )
     watcher.until(lambda: told("feedback lost: none comes; safe voltage"), "the loss of the plant")
+
+
+def test_a_change_of_state_that_is_none_is_refused_and_the_loop_goes_on(
+    start: Start, watcher: Watcher
+) -> None:
+    loop = Loop(start, watcher, mode="pid")
+    assert loop.answer(0.0, 0.0) == 0.0
+    for impossible in (Transition.TRANSITION_CONFIGURE, Transition.TRANSITION_ACTIVATE):
+        request = ChangeState.Request(transition=Transition(id=impossible))
+        assert not watcher.call(ChangeState, "controller/change_state", request).success
+    assert loop.answer(0.0, 0.0) == 0.0
+    assert loop.node.stop() == 0
+
+
+def test_a_sample_rate_too_slow_for_the_feedback_timeout_is_refused(start: Start) -> None:
+    node = start("controller", sample_rate=10)
+    assert node.ended() == 2
+    assert "feedback_timeout = 0.06 s is less than two samples at sample_rate = 10 Hz" in node.log
+    assert "give at least 0.2" in node.log
+
+
+def test_gains_of_ones_own_for_a_model_that_none_suit(start: Start, tmp_path: Path) -> None:
+    values = {("second_order", "m"): 0.05, ("second_order", "b"): 0.0}
+    undamped = nominal_model().with_values(values)
+    save_model(undamped, tmp_path / "undamped.yaml")
+    refused = start("controller", model_file=str(tmp_path / "undamped.yaml"))
+    assert refused.ended() == 2
+    assert "give gains" in refused.log
+    node = start("controller", model_file=str(tmp_path / "undamped.yaml"), ki=1e6)
+    node.until_it_says("ready")
+    assert node.stop() == 0

@@ -61,3 +61,11 @@ def test_a_setpoint_that_was_forgotten_is_not_taken() -> None:
     pairing.forget_setpoint()
     pairing.sample(1.0, 2.0, now=0.0)
     assert pairing.take().setpoint is None
+
+
+def test_a_setpoint_that_was_refused_does_not_take_the_place_of_a_good_one() -> None:
+    pairing = Pairing(1e-3, lockstep=False)
+    pairing.setpoint(5e-6)
+    pairing.setpoint(math.nan)
+    pairing.sample(0.0, 1.0, 0.0)
+    assert pairing.take().setpoint == 5e-6

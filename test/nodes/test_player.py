@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -77,3 +78,15 @@ def test_a_plant_gets_the_recorded_voltages_sample_by_sample(
     again = read_recording(tmp_path / "again")
     np.testing.assert_array_equal(again.voltage, recording.voltage)
     np.testing.assert_array_equal(again.measured, recording.measured)
+
+
+def test_a_plant_of_another_rate_is_refused(
+    start: Start, tmp_path: Path, recording: Recording
+) -> None:
+    """Every fifth voltage of a recording at 5 kHz would reach a plant at 1 kHz."""
+    fast = replace(recording, sample_period=2e-4)
+    write_csv(tmp_path / "fast.csv", fast)
+    player = start("player", recording="fast.csv", pace="samples", partners=["plant_simulator"])
+    start("plant_simulator", lockstep=True, partners=["player"], lockstep_timeout=2)
+    assert player.ended() == 2
+    assert "the plant samples at 1000 Hz, the recording at 5000 Hz" in player.log

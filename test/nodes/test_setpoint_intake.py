@@ -80,3 +80,18 @@ def test_out_of_reach_is_passed_on_to_be_clamped_or_refused() -> None:
     assert (clamps.refused, refuses.refused) == (0, 2)
     assert math.isnan(refuses.take(math.nan, REACH, 0.0))
     assert refuses.refused == 2  # that one is counted as not finite
+
+
+def test_what_is_refused_ends_no_stop_and_keeps_no_stream_up() -> None:
+    made = intake(OutOfReach.REFUSE)
+    now = wait(made, stream(made, 0.0), 2.0 * LIMIT)
+    assert made.returns
+    for bad in (math.nan, math.inf, 1.0):
+        assert math.isnan(made.take(bad, REACH, now))
+        assert made.returns
+    made = intake(OutOfReach.REFUSE)
+    now = stream(made, 0.0)
+    for _ in range(50):
+        now = wait(made, now, 0.01)
+        made.take(math.nan, REACH, now)
+    assert made.returns
