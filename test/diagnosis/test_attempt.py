@@ -40,18 +40,28 @@ def test_the_best_of_each_kind_goes_on_and_no_other() -> None:
 
 
 @pytest.mark.parametrize(
-    ("behind", "too_far", "fitted_on"),
-    [(46e-9, 60e-9, [40e-9, 46e-9]), (90e-9, 60e-9, []), (46e-9, 39e-9, [])],
+    ("behind", "known", "hopeless", "fitted_on"),
+    [
+        (46e-9, 30e-9, math.inf, [40e-9, 46e-9]),
+        (90e-9, 30e-9, math.inf, []),
+        (46e-9, 19e-9, math.inf, []),
+        (46e-9, 30e-9, 39e-9, []),
+    ],
 )
 def test_of_kinds_that_end_close_to_each_other_each_is_fitted_on(
-    behind: float, too_far: float, fitted_on: list[float], monkeypatch: pytest.MonkeyPatch
+    behind: float,
+    known: float,
+    hopeless: float,
+    fitted_on: list[float],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Where there is a race, and where it is not lost to another effect."""
+    """Where there is a race, and where it is neither lost to another effect nor hopeless."""
     monkeypatch.setattr(attempts, "is_costly", lambda part, model: False)
     monkeypatch.setattr(attempts, "fit_on", lambda part, trial, tolerance, evaluations: trial)
     found = [fit(1.0, behind), fit(0.0, 40e-9), fit(0.0, 45e-9), fit(1.0, 99e-9)]
     nothing: Any = None
-    longer = attempts._gone_on_with(nothing, found, EFFECT, too_far)
+    scrutiny = Scrutiny(1000, hopeless=hopeless, known=known)
+    longer = attempts._gone_on_with(nothing, found, EFFECT, scrutiny)
     assert sorted(trial.fitted_rmse for trial in longer) == fitted_on
 
 
