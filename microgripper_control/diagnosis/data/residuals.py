@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,7 +15,16 @@ from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.identification.nuisance import Heldout, Mask, heldout_prediction
 from microgripper_control.plant.model import Model
 
+RESTS = 0.002  # of the stroke: a turn smaller than this is none
 STILL = 1e-3  # of the largest change between two samples: below it the voltage is held
+
+
+class Turning(NamedTuple):
+    """How a motion turns back and forth."""
+
+    direction: Array  # -1, 0 or 1, shape (n,)
+    travel: Array  # since the last turn, in strokes, shape (n,)
+    turns: int
 
 
 @dataclass(frozen=True)
@@ -56,6 +67,24 @@ class Residual:
         last = np.maximum.accumulate(np.where(moves, index, -1))
         since = (index - last) * self.period
         return np.asarray(np.where((last >= 0) & ~moves, since, np.nan), dtype=np.float64)
+
+    @cached_property
+    def turning(self) -> Turning:
+        """How the predicted motion turns."""
+        predicted = self.recording.measured - self.error
+        stroke = float(np.ptp(predicted)) or 1.0
+        direction, travel = np.zeros(len(predicted)), np.zeros(len(predicted))
+        extreme, turned, way, turns = float(predicted[0]), float(predicted[0]), 0.0, 0
+        for k, x in enumerate(predicted.tolist()):
+            if way == 0.0:
+                if abs(x - turned) > RESTS * stroke:
+                    way, extreme = float(np.sign(x - turned)), x
+            elif (x - extreme) * way >= 0.0:
+                extreme = x
+            elif (extreme - x) * way > RESTS * stroke:
+                way, turned, extreme, turns = -way, extreme, x, turns + 1
+            direction[k], travel[k] = way, abs(x - turned) / stroke
+        return Turning(direction, travel, turns)
 
     def runs(self, shortest: int) -> list[slice]:
         """The stretches of counted samples without a gap, of at least `shortest` samples."""

@@ -11,7 +11,6 @@ from scipy.ndimage import median_filter
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.data.residuals import Residual, gap_energy, gap_power
 from microgripper_control.diagnosis.findings import Range
-from microgripper_control.diagnosis.signs.reversals import since_turn
 from microgripper_control.diagnosis.signs.spectra import (
     PADDING,
     Spectrum,
@@ -221,15 +220,16 @@ def slow_share(residuals: Sequence[Residual], noise: float) -> float:
         count = len(residual.error) // size
         means = residual.error[: count * size].reshape(count, size).mean(axis=1)
         drive = _branches(residual.recording.voltage)[: count * size : size]
-        *_, turns = since_turn(residual)
-        bends = min(round(2.0 * SLOW * residual.recording.duration), turns // 2, count // 4)
+        bends = min(
+            round(2.0 * SLOW * residual.recording.duration), residual.turning.turns // 2, count // 4
+        )
         place = (np.arange(count) + 0.5) * np.pi / count
         courses = np.cos(np.outer(place, np.arange(1, max(2, bends) + 1)))
         alone = _left(means, courses)
         driven = _left(means, drive)
-        slow = float(np.sum((means - means.mean()) ** 2)) - alone
+        found = float(np.sum((means - means.mean()) ** 2)) - alone
         if alone < BETTER * driven:
-            taken += slow * size * float(residual.counted.mean())
+            taken += found * size * float(residual.counted.mean())
     return float(np.clip(taken / gap, 0.0, 1.0)) if gap > 0.0 else 0.0
 
 

@@ -12,7 +12,6 @@ from microgripper_control.diagnosis.data.residuals import Residual
 
 EDGES = (0.0, 0.005, 0.01, 0.02, 0.04, 0.08, 0.16, 0.32, 0.64)  # of the stroke: bins of travel
 PLATEAU = 3  # last bins: far behind a turn
-RESTS = 0.002  # of the stroke: a turn smaller than this is none
 RATES = 4  # bins
 
 
@@ -31,7 +30,7 @@ def after_turns(residuals: Sequence[Residual]) -> AfterTurns | None:
     bins, signed = [], []
     count = 0
     for residual in residuals:
-        direction, travel, turns = since_turn(residual)
+        direction, travel, turns = residual.turning
         known = residual.counted & (direction != 0.0)
         error = residual.error - np.mean(residual.error[residual.counted])
         bins.append(np.searchsorted(EDGES, travel[known], side="right") - 1)
@@ -66,7 +65,7 @@ def widths_by_rate(residuals: Sequence[Residual]) -> Widths | None:
     """The residual's loop against the rate; None for rates less than half a decade apart."""
     rates, shapes, errors, pieces = [], [], [], []
     for number, residual in enumerate(residuals):
-        direction, travel, _ = since_turn(residual)
+        direction, travel, _ = residual.turning
         voltage = residual.recording.voltage
         reach = _reach(direction)
         pace = np.abs(voltage[2 * reach :] - voltage[: -2 * reach]) / (
@@ -113,21 +112,3 @@ def _reach(direction: Array) -> int:
     ways = np.diff(np.flatnonzero(np.diff(direction)))
     quick = int(np.quantile(ways, 0.25)) if len(ways) else len(direction)
     return max(1, min(len(direction) // 400, quick // 8))
-
-
-def since_turn(residual: Residual) -> tuple[Array, Array, int]:
-    """Direction of the predicted motion, distance since its last turn in strokes, and turns."""
-    predicted = residual.recording.measured - residual.error
-    stroke = float(np.ptp(predicted)) or 1.0
-    direction, travel = np.zeros(len(predicted)), np.zeros(len(predicted))
-    extreme, turned, way, turns = float(predicted[0]), float(predicted[0]), 0.0, 0
-    for k, x in enumerate(predicted.tolist()):
-        if way == 0.0:
-            if abs(x - turned) > RESTS * stroke:
-                way, extreme = float(np.sign(x - turned)), x
-        elif (x - extreme) * way >= 0.0:
-            extreme = x
-        elif (extreme - x) * way > RESTS * stroke:
-            way, turned, extreme, turns = -way, extreme, x, turns + 1
-        direction[k], travel[k] = way, abs(x - turned) / stroke
-    return direction, travel, turns
