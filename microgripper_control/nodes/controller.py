@@ -70,7 +70,7 @@ class ControllerNode(ManagedShell):
         self._settings = ControllerSettings.of(self._values(NAMES))
         self._settings.compile()
         self._controller = self._settings.controller()
-        for warning in load_model(model_path(self._value("model_file"))).warnings:
+        for warning in load_model(model_path(self.value_of("model_file"))).warnings:
             self.get_logger().warning(warning)
         self._output = VoltageOutput(self)
 
@@ -82,24 +82,24 @@ class ControllerNode(ManagedShell):
     def activate(self) -> None:
         """Begin to take samples, in lockstep once the plant takes the answers."""
         period = self._settings.sample_period
-        self._lockstep = self._value("lockstep")
-        timeout = self._value(FEEDBACK_TIMEOUT.name)
+        self._lockstep = self.value_of("lockstep")
+        timeout = self.value_of(FEEDBACK_TIMEOUT.name)
         if not self._lockstep and timeout < 2.0 * period:
             raise MicrogripperError(
                 f"feedback_timeout = {timeout:g} s is less than two samples at "
                 f"sample_rate = {1.0 / period:g} Hz; give at least {2.0 * period:g}"
             )
-        self._awaits = self._lockstep and self._value("await_setpoint")
-        patience = self._value("setpoint_wait") * period
+        self._awaits = self._lockstep and self.value_of("await_setpoint")
+        patience = self.value_of("setpoint_wait") * period
         if self._lockstep:
-            patience = self._value("lockstep_timeout")
+            patience = self.value_of("lockstep_timeout")
         self._pairing = Pairing(patience, lockstep=self._lockstep, awaits=self._awaits)
         assert self._controller is not None
         self._exchange = Exchange(
             self._controller,
             self._output,
             FeedbackWatch(timeout, period),
-            AppliedWatch(self._value(APPLY_TIMEOUT.name), self._value(APPLY_TOLERANCE.name)),
+            AppliedWatch(self.value_of(APPLY_TIMEOUT.name), self.value_of(APPLY_TOLERANCE.name)),
             sample_period=period,
             lockstep=self._lockstep,
         )
@@ -146,7 +146,7 @@ class ControllerNode(ManagedShell):
             self._open_setpoints()
 
     def _missing(self) -> list[str]:
-        missing = topics.missing_partners(self, self._output.publisher, self._value("partners"))
+        missing = topics.missing_partners(self, self._output.publisher, self.value_of("partners"))
         if self._awaits and not any(one.is_open for one in self._setpoints.values()):
             missing.append("a publisher of setpoints")
         return missing
@@ -222,10 +222,7 @@ class ControllerNode(ManagedShell):
         return self._statistics.health(self._controller, elapsed)
 
     def _values(self, names: Iterable[str]) -> dict[str, Any]:
-        return {name: self._value(name) for name in names}
-
-    def _value(self, name: str) -> Any:  # noqa: ANN401 (of any type)
-        return self.get_parameter(name).value
+        return {name: self.value_of(name) for name in names}
 
 
 def main() -> None:

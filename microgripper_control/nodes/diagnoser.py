@@ -102,7 +102,7 @@ class Diagnoser(Shell):
             self._job.end()
 
     def _compare(self, now: float) -> None:
-        ratio, least = self._value(WARN_RATIO.name), self._value(LEAST_GAP.name)
+        ratio, least = self.value_of(WARN_RATIO.name), self.value_of(LEAST_GAP.name)
         reading = self._comparison.read(ratio, least, now)
         if reading is not None:
             _publish(self._gaps, reading.gap)
@@ -167,9 +167,6 @@ class Diagnoser(Shell):
             state = f"running for {self._job.running:.0f} s"
         health = self._comparison.health(time.monotonic())
         return replace(health, values={**health.values, "diagnosis": state})
-
-    def _value(self, name: str) -> Any:  # noqa: ANN401 (of any type)
-        return self.get_parameter(name).value
 
 
 def _publish(publisher: Publisher, value: float) -> None:

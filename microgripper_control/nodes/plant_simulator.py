@@ -12,7 +12,6 @@ brings the voltage down by itself, and on deactivation, too.
 from __future__ import annotations
 
 import time
-from typing import Any
 
 from std_msgs.msg import Float64
 
@@ -40,8 +39,8 @@ class PlantSimulator(ManagedShell):
         """Load the model, compile, then offer the topics."""
         self._rig = plant_settings.make_rig(self)
         self._guard = plant_settings.make_guard(self, self._rig.voltage)
-        self._rate: float = self._value("sample_rate")
-        self._last_tick = round(self._value("duration") * self._rate)
+        self._rate: float = self.value_of("sample_rate")
+        self._last_tick = round(self.value_of("duration") * self._rate)
         self._tick = 0  # the next one
         self._missed = self._commanded = 0
         self._counted: dict[str, int] = {}
@@ -49,7 +48,7 @@ class PlantSimulator(ManagedShell):
 
     def activate(self) -> None:
         """Go on from the tick that comes next."""
-        self._lockstep = self._value("lockstep")
+        self._lockstep = self.value_of("lockstep")
         self._asked = False  # in lockstep, once the partners are there
         # Since when it has waited in lockstep, for the partners or the answer.
         self._since = self._began = time.monotonic()
@@ -110,18 +109,18 @@ class PlantSimulator(ManagedShell):
         """Begin once everybody is there; fail where somebody is missing for too long."""
         waited = now - self._since
         if self._asked:
-            if waited > self._value("lockstep_timeout"):
+            if waited > self.value_of("lockstep_timeout"):
                 sample = self._tick - 1
                 self.fail(f"lockstep: no voltage_command for sample {sample} in {waited:.3g} s")
             return
         self._commands.open(if_published=True)
-        missing = topics.missing_partners(self, self._samples.states, self._value("partners"))
+        missing = topics.missing_partners(self, self._samples.states, self.value_of("partners"))
         if not self._commands.is_open:
             missing.append("a publisher of voltage_command")
         if not missing:
             self._asked, self._began = True, now
             self._ask()
-        elif waited > self._value("startup_timeout"):
+        elif waited > self.value_of("startup_timeout"):
             self.fail(f"lockstep: {', '.join(missing)} not ready after {waited:.3g} s")
 
     def _ask(self) -> None:
@@ -198,9 +197,6 @@ class PlantSimulator(ManagedShell):
         new = {name: count - self._counted.get(name, 0) for name, count in counts.items()}
         self._counted = counts
         return new
-
-    def _value(self, name: str) -> Any:  # noqa: ANN401 (of any type)
-        return self.get_parameter(name).value
 
 
 def main() -> None:

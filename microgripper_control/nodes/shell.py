@@ -25,7 +25,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import FrameType
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import rclpy
 from rclpy.exceptions import ParameterException
@@ -94,6 +94,10 @@ class Shell(Node):
         self.priority = int(declare_number(self, PRIORITY, read_only=True))
         self._reporter = Reporter(self)
         self._reported = time.monotonic()
+
+    def value_of(self, name: str) -> Any:  # noqa: ANN401 (of any type)
+        """Of a parameter."""
+        return self.get_parameter(name).value
 
     def begin(self) -> None:
         """Called once, before the node is spun."""

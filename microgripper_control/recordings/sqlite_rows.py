@@ -15,7 +15,7 @@ import numpy as np
 
 from microgripper_control.recordings.storage import Block, Topic
 
-ROWS_AT_ONCE = 4096
+ROWS_AT_ONCE, BYTES_AT_ONCE = 4096, 2**25
 FARTHEST_LEAP = 2**40  # messages
 # In the order of the table: an index may lie in a part that is lost.
 ROWS = "FROM messages NOT INDEXED WHERE topic_id = ? AND rowid > ?"
@@ -47,13 +47,14 @@ def _alike(database: sqlite3.Connection, number: int, topic: Topic) -> Generator
             return after
         first = database.execute(FIRST_SIZE, [number, after]).fetchone()
         while first is not None:
-            here = [*first, number, after, after + ROWS_AT_ONCE]
+            rows = max(1, min(ROWS_AT_ONCE, BYTES_AT_ONCE // max(1, *first)))
+            here = [*first, number, after, after + rows]
             data, times, count, alike = database.execute(SIDE_BY_SIDE, here).fetchone()
             if not count or alike < count or len(data) != count * first[0]:
                 break
             received = np.fromstring(times, np.int64, sep=",")
             yield Block.alike(topic, received, np.frombuffer(data, np.uint8))
-            after += ROWS_AT_ONCE
+            after += rows
     except sqlite3.Error:
         pass  # what is damaged is found again row by row
     return after
@@ -76,11 +77,15 @@ def _one_by_one(
             while True:
                 received: list[int] = []
                 messages: list[bytes] = []
+                size = 0
                 try:
                     # One row is let go of before the next: keeping them would cost twice.
                     for at, message in islice(cursor, ROWS_AT_ONCE):
                         received.append(at)
                         messages.append(message)
+                        size += len(message) if isinstance(message, bytes) else 0
+                        if size > BYTES_AT_ONCE:
+                            break
                 finally:  # what comes before an error is good
                     if received:
                         count += len(received)

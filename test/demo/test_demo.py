@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 import os
 import signal
@@ -30,18 +31,18 @@ PATIENCE = 560.0  # s: less than a test may take in all
 
 pytestmark = pytest.mark.ros
 
-Start = Callable[[Path], subprocess.Popen[str]]
+Start = Callable[..., subprocess.Popen[str]]
 
 
 @pytest.fixture
 def start() -> Iterator[Start]:
-    """`start(out)` starts a demo, which does not outlive the test."""
+    """`start(out, "--json")` starts a demo, which does not outlive the test."""
     running: list[subprocess.Popen[str]] = []
 
-    def start(out: Path) -> subprocess.Popen[str]:
+    def start(out: Path, *words: str) -> subprocess.Popen[str]:
         running.append(
             subprocess.Popen(
-                [sys.executable, "-c", COMMAND, "demo", "--out", str(out)],
+                [sys.executable, "-c", COMMAND, "demo", "--out", str(out), *words],
                 stdout=subprocess.PIPE,
                 stderr=subprocess.PIPE,
                 text=True,
@@ -77,11 +78,12 @@ def test_the_demo_identifies_and_diagnoses_its_rig_and_leaves_nothing_running(
     start: Start, tmp_path: Path
 ) -> None:
     out = tmp_path / "demo"
-    process = start(out)
+    process = start(out, "--json")
     printed, complaints = process.communicate(timeout=PATIENCE)
     assert process.returncode == 0, complaints
     assert nodes_logging_to(out) == []
-    assert "cascade" in printed
+    told = json.loads(printed)
+    assert {part["mode"] for part in told["tracking"]} >= {"cascade", "feedforward", "pid"}
     page = (out / "index.html").read_text(encoding="utf-8")
     assert page.count("<img") == 3
     assert 'href="diagnosis/report.html"' in page
@@ -89,9 +91,13 @@ def test_the_demo_identifies_and_diagnoses_its_rig_and_leaves_nothing_running(
     found = json.loads((out / "diagnosis" / "diagnosis.json").read_text(encoding="utf-8"))
     planted = drawn_fault(seed=1).effect
     assert (found["verdict"], found["effects"]) == ("effects", [planted])
-    assert found["sentence"] in printed
-    assert f"planted is {planted}" in printed
+    assert told["diagnosis"] == found
+    assert told["planted"]["effect"] == planted
+    assert html.unescape(page).count(found["sentence"]) == 1
+    assert f"planted is {planted}" in page
     truth, model = true_model(), load_model(out / "fitted.yaml")
+    alpha = told["identified"]["parameters"]["bouc_wen.alpha"]["value"]
+    assert alpha == pytest.approx(model.value("bouc_wen", "alpha"), rel=1e-9)
     assert gain(model) == pytest.approx(gain(truth), 2.5e-3)  # k and k_s apart cannot be seen
     for name in ("alpha", "beta", "gamma"):
         identified, true = model.settings["bouc_wen"][name], truth.value("bouc_wen", name)

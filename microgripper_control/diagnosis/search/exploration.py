@@ -71,7 +71,8 @@ def alone(
     pool = on_the_sensors_clock(pool, jobs)
     evidence = pool.evidence
     for some in ([name for name in rest if name not in costly], costly):
-        play(evidence, bases, some, len(some), pool, progress, jobs)
+        near = bases if pool.unexplained else bases[:-1]
+        play(evidence, near, some, len(some), pool, progress, jobs)
     return again_if_settled(pool, jobs)
 
 
