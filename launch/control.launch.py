@@ -32,9 +32,10 @@ def generate_launch_description() -> LaunchDescription:
             DeclareLaunchArgument(
                 "mode",
                 default_value="",
-                description=f"{AS_IN_THE_FILE}; open_loop: without reference, "
-                "whose setpoints are displacements",
+                description=f"{AS_IN_THE_FILE}; open_loop: with quantity: voltage of the "
+                "reference there, or reference:=false and a voltage_setpoint of your own",
             ),
+            DeclareLaunchArgument("reference", default_value="true"),
             DeclareLaunchArgument("watch", default_value="false"),
             OpaqueFunction(function=nodes),
         ]
@@ -54,11 +55,7 @@ def nodes(context: LaunchContext) -> list[Node]:
         "output": "screen",
     }
     file = LaunchConfiguration("params_file")
-    reference = Node(
-        executable="reference", ros_arguments=enclave("reference"), parameters=[file], **common
-    )
     return [
-        *([] if law == "open_loop" else [reference]),
         Node(
             executable="plant_simulator",
             ros_arguments=enclave("plant_simulator"),
@@ -70,6 +67,13 @@ def nodes(context: LaunchContext) -> list[Node]:
             executable="controller",
             ros_arguments=enclave("controller"),
             parameters=[file, *lockstep, *mode],
+            **common,
+        ),
+        Node(
+            executable="reference",
+            ros_arguments=enclave("reference"),
+            parameters=[file],
+            condition=IfCondition(LaunchConfiguration("reference")),
             **common,
         ),
         Node(

@@ -10,8 +10,8 @@ from typing import Annotated
 import typer
 
 from microgripper_control.cli.options import JsonOption
+from microgripper_control.core.table import Table
 from microgripper_control.identification.stiffness import Stiffness, fit_stiffness
-from microgripper_control.recordings.csv import read_columns
 
 COLUMNS = ("force_N", "displacement_m")
 
@@ -23,7 +23,8 @@ def stiffness(
     json_: JsonOption = False,
 ) -> None:
     """Fit a flexure's stiffness to measured forces and displacements (section 4 of the paper)."""
-    force, displacement = read_columns(data, COLUMNS).T
+    table = Table.opened(data, ",".join(COLUMNS))
+    force, displacement = table.numbers([table.column(name) for name in COLUMNS]).values.T
     found = fit_stiffness(force, displacement, str(data))
     if json_:
         typer.echo(json.dumps({"schema": "microgripper-stiffness/1", **asdict(found)}))

@@ -45,8 +45,8 @@ class Mode(str, enum.Enum):
 class Controller:
     """Answers each sample of the plant with a voltage.
 
-    `clamped`, `limited` and `refused` count, since `start`, the ticks whose setpoint was out of
-    reach, whose answer the guard's limits cut, and whose command was not finite.
+    `clamped`, `limited` and `refused` count the ticks whose setpoint was out of reach, whose answer
+    the guard's limits cut, and whose command was not finite.
     """
 
     def __init__(
@@ -66,7 +66,7 @@ class Controller:
             limits = VoltageLimits(low=low, high=high, safe=min(max(0.0, low), high))
         authority = max(abs(limits.low), abs(limits.high), limits.high - limits.low)
         self.guard = VoltageGuard(limits, sample_period)
-        self.clamped = self.limited = self.refused = 0
+        self.forget_counts()
         self._period = sample_period
         self._mode = mode
         self._kind = inverse
@@ -126,8 +126,11 @@ class Controller:
         Raises MicrogripperError if it is not finite.
         """
         self._command = math.nan
-        self.clamped = self.limited = self.refused = 0
         return self.resume(reported, math.inf)
+
+    def forget_counts(self) -> None:
+        """Count from here on."""
+        self.clamped = self.limited = self.refused = 0
 
     def resume(self, reported: float, elapsed: float) -> float:
         """Go on at the voltage that the plant reports after it was out of sight; returns it, V.

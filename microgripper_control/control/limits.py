@@ -86,9 +86,7 @@ class VoltageGuard:
         A sample period at most, and without this call a sample period: what comes late may not
         jump, and samples that come too fast must not make the voltage fast.
         """
-        share = min(max(elapsed, 0.0), self._period)
-        self._largest_change = self._limits.rate * share
-        self._ramp_change = self._limits.ramp_rate * share
+        self._largest_change = self._limits.rate * min(max(elapsed, 0.0), self._period)
         self._stand_at(self._voltage)
 
     def step(self, command: float) -> float:
@@ -102,9 +100,10 @@ class VoltageGuard:
         """One step towards `goal`, V, at the ramp rate; call until the answer no longer changes."""
         if math.isfinite(goal):
             goal = self._limits.clip(goal)
-            change = min(max(goal - self._voltage, -self._ramp_change), self._ramp_change)
+            most = min(self._ramp_change, self._largest_change)
+            change = min(max(goal - self._voltage, -most), most)
             # Not the sum where the goal is in reach: rounding must not keep it from arriving.
-            arrives = abs(change) < self._ramp_change
+            arrives = abs(change) < most
             self._stand_at(self._limits.clip(goal if arrives else self._voltage + change))
         return self._voltage
 

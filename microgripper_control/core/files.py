@@ -33,7 +33,7 @@ def check_place(path: str | Path, given: Iterable[str | Path] = ()) -> None:
     MicrogripperError if it cannot take that name, or if the file would replace one of the `given`
     that it is made from.
     """
-    path = Path(path)
+    path = _behind(Path(path))
     if any(path.resolve() == Path(one).resolve() for one in given):
         raise MicrogripperError(f"{path}: would overwrite what is read; give another name")
     make_folder(path.parent)
@@ -46,6 +46,14 @@ def check_place(path: str | Path, given: Iterable[str | Path] = ()) -> None:
         raise MicrogripperError(f"{path}: is {kind}; give the name of a file")
 
 
+def _behind(path: Path) -> Path:
+    """What a link points to, which is written while the link stays; else the path itself."""
+    try:
+        return path.resolve() if path.is_symlink() else path
+    except OSError:
+        return path  # told where it is written
+
+
 @contextmanager
 def written_whole(path: str | Path) -> Iterator[TextIO]:
     """Yield a text file that takes its name only when it is complete and on disk.
@@ -53,9 +61,8 @@ def written_whole(path: str | Path) -> Iterator[TextIO]:
     Parent folders are made. Raises MicrogripperError where the place cannot be written.
     """
     path = Path(path)
-    if path.is_symlink():
-        path = path.resolve()  # what it points to is written, the link stays
     try:
+        path = _behind(path)
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     except OSError as error:

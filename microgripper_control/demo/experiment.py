@@ -9,12 +9,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.demo.fault import DRIVE, Fault, write_fault
 from microgripper_control.demo.plan import (
     MODES,
     NOISE,
     SAMPLE_PERIOD,
     SEGMENTS,
+    SETTINGS,
     length_of,
     write_settings,
 )
@@ -47,8 +49,10 @@ def run_experiment(folder: Path, seed: int, progress: Progress) -> Experiment:
 
     Plant and recorder run throughout, a controller and a reference for each mode.
     """
-    rig, believed, reference = write_settings(folder)
     bag = folder / "bag"
+    if bag.exists() and not any((folder / name).exists() for name in SETTINGS):  # not a demo's
+        raise MicrogripperError(f"{bag}: is there already; move it away or give another --out")
+    rig, believed, reference = write_settings(folder)
     shutil.rmtree(bag, ignore_errors=True)
     rate = 1.0 / SAMPLE_PERIOD
     length = length_of(SEGMENTS)

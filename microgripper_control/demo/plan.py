@@ -33,6 +33,7 @@ MISTUNED: dict[Key, float] = {
 WARM_UP = "warm-up"
 LOW, HIGH = 3e-6, 15e-6  # m
 SPAN = {"low": LOW, "high": HIGH}
+SETTINGS = ("rig.yaml", "controller_model.yaml", "reference.yaml")  # files of an experiment
 Segments = Mapping[str, Mapping[str, Any]]  # shape, length and values of each, in their order
 SEGMENTS: Segments = {
     WARM_UP: {"shape": "triangle", "length": 2.0, "low": 0.0, "high": 17e-6, "frequency": 0.5},
@@ -69,9 +70,7 @@ def length_of(segments: Segments) -> float:
 
 def write_settings(folder: Path) -> tuple[Path, Path, Path]:
     """Write the rig's model, the controller's model and the reference's parameters; their paths."""
-    rig, believed, reference = (
-        folder / name for name in ("rig.yaml", "controller_model.yaml", "reference.yaml")
-    )
+    rig, believed, reference = (folder / name for name in SETTINGS)
     save_model(true_model(), rig)
     save_model(controllers_model(), believed)
     write_reference(reference, SEGMENTS)

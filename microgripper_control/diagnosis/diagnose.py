@@ -13,7 +13,7 @@ from microgripper_control.diagnosis.answers.shrinkage import closed_fraction, cl
 from microgripper_control.diagnosis.answers.weighing import Facts, weigh
 from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.data.readings import reading_warnings
-from microgripper_control.diagnosis.data.residuals import residuals_of
+from microgripper_control.diagnosis.data.residuals import Residual, residuals_of
 from microgripper_control.diagnosis.experiments.experiment import next_experiment
 from microgripper_control.diagnosis.findings import (
     EFFECTS,
@@ -128,7 +128,7 @@ def diagnose(
         refit=refit.model,
         model=given.model,
         conditions=whole.conditions,
-        judged=_judged(explored.whole, before, refit, best),
+        judged=_judged(explored.whole, judging, before, refit, best),
         shares=_shares(pool, given.effects, given.best),
         warnings=(*readings, *explored.warnings, *hold_warnings(pool.evidence, refit)),
     )
@@ -213,16 +213,23 @@ def _gap(
 
 
 def _judged(
-    evidence: Evidence, nominal: Trial, refit: Trial, augmented: Trial
+    evidence: Evidence,
+    residuals: Sequence[Residual],
+    nominal: Trial,
+    refit: Trial,
+    augmented: Trial,
 ) -> tuple[Judged, ...]:
     """What the three models say about each judging recording."""
     found = []
-    for recording in evidence.judged:
+    rows = zip(evidence.judged, evidence.compared, residuals, strict=True)
+    for recording, compared, residual in rows:
         said = [
             heldout_prediction(trial.model, recording, evidence.conditions)
             for trial in (nominal, refit, augmented)
         ]
-        found.append(Judged(recording, said[0].counted, *(one.prediction for one in said)))
+        before, after, last = (one.prediction for one in said)
+        counted = said[0].counted & compared
+        found.append(Judged(recording, counted, before, after, last, residual.zero))
     return tuple(found)
 
 

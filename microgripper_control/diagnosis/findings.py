@@ -86,6 +86,12 @@ class Judged:
     nominal: Array
     refit: Array
     augmented: Array
+    zero: float = 0.0  # m, how much higher its sensor's zero is than on average of the recordings
+
+    @property
+    def position(self) -> Array:
+        """What was measured, m, with the same zero for all recordings; `where` counts so."""
+        return self.recording.measured - self.zero
 
 
 @dataclass(frozen=True)

@@ -103,4 +103,4 @@ def _write_voltage(experiment: NextExperiment, path: Path) -> None:
     with written_whole(path) as file:
         file.write("time_s,voltage_V\n")
         for index, volts in enumerate(experiment.voltage):
-            file.write(f"{index * experiment.sample_period:.9f},{float(volts)!r}\n")
+            file.write(f"{index * experiment.sample_period:.12f},{float(volts)!r}\n")

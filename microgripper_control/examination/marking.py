@@ -49,9 +49,11 @@ class Marked:
         return self.sealed.question == BLIND and not self.sealed.causes
 
     @property
-    def alarmed(self) -> bool:
-        """Whether effects, or an unknown cause, are claimed."""
-        return self.diagnosis is not None and self.diagnosis["verdict"] in (EFFECTS, UNKNOWN)
+    def alarmed(self) -> bool | None:
+        """Whether effects, or an unknown cause, are claimed; None where there is no answer."""
+        if self.diagnosis is None:
+            return None
+        return self.diagnosis["verdict"] in (EFFECTS, UNKNOWN)
 
     @property
     def further(self) -> bool:

@@ -80,12 +80,23 @@ def fit(
     dynamic = tuple(key for key in free if key in DYNAMIC)
     if dynamic:
         progress("what the recording can tell about the mechanics")
-        if dynamic == DYNAMIC:
-            problem, z = near_the_resonance(problem, z, model)
-        z, problem, unseen = add_dynamics(problem, z, dynamic)
+        z, problem, unseen = _with_dynamics(problem, z, model, dynamic)
         undetermined += unseen
     z, problem, unseen = drop_undetermined(problem, z, model)
     return _result(problem, z, undetermined + unseen)
+
+
+def _with_dynamics(
+    problem: Problem, z: Array, model: Model, dynamic: tuple[Key, ...]
+) -> tuple[Array, Problem, tuple[Undetermined, ...]]:
+    """Mass and damping fitted where the recordings show them, be it far from the model's."""
+    if dynamic == DYNAMIC:
+        elsewhere, start = near_the_resonance(problem, z, model)
+        if elsewhere is not problem:
+            found = add_dynamics(elsewhere, start, dynamic)
+            if not found[2]:
+                return found
+    return add_dynamics(problem, z, dynamic)
 
 
 def _check(recordings: Sequence[Recording]) -> None:

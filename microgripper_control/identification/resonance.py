@@ -28,6 +28,7 @@ FEWER = 0.5  # of the squares: what leaves more is no resonance
 GAIN: Key = ("bouc_wen", "d")
 
 
+@np.errstate(all="ignore")  # what diverges is none
 def near_the_resonance(problem: Problem, z: Array, nominal: Model) -> tuple[Problem, Array]:
     """Where a fit begins that ends at the resonance which the recordings show.
 

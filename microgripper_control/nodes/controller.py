@@ -95,6 +95,7 @@ class ControllerNode(ManagedShell):
             patience = self.value_of("lockstep_timeout")
         self._pairing = Pairing(patience, lockstep=self._lockstep, awaits=self._awaits)
         assert self._controller is not None
+        self._controller.forget_counts()
         self._exchange = Exchange(
             self._controller,
             self._output,

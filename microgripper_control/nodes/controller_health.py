@@ -100,10 +100,10 @@ class Statistics:
         for verdict in REFUSED:
             if new[f"refused: {verdict.value}"]:
                 return f"joint_states: {verdict.value}"
-        if self._intake.stopped:
-            return f"the stream of setpoints {self._intake.state}"
         if new["setpoints not finite or refused"] or new["setpoints out of reach"]:
             return "setpoints not finite or out of reach"
+        if self._intake.stopped:
+            return f"the stream of setpoints {self._intake.state}"
         return ""
 
     def _counts(self, controller: Controller) -> dict[str, int]:

@@ -83,8 +83,9 @@ class Identifier(Shell):
     def begin(self) -> None:
         """Read, and begin to identify."""
         log = self.get_logger()
-        check_place(self._out, self._recordings)
-        model = load_model(model_path(self._model))
+        file = model_path(self._model)
+        check_place(self._out, [*self._recordings, file])
+        model = load_model(file)
         for warning in model.warnings:
             log.warning(warning)
         recordings = [read_recording(path) for path in self._recordings]

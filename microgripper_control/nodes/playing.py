@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
+from statistics import median
 from typing import Protocol
 
 from rclpy.node import Node
@@ -19,8 +20,8 @@ from microgripper_control.nodes.shell import POLL
 from microgripper_control.recordings.bag import Bag
 from microgripper_control.recordings.read import read_recording
 
-TELLING = 5  # samples whose stamps tell the plant's rate, though one be lost
-SAME_RATE = 0.01
+TELLING = 20  # samples whose stamps tell the plant's rate
+SAME_RATE = 0.2  # stamps jitter; voltages are left out or held where the rate is another
 MOST_AT_ONCE = 100  # messages, before a signal is looked for again
 
 
@@ -129,10 +130,9 @@ class AsAnswers:
         At another rate voltages would be left out or held, and nobody would see it.
         """
         self._stamps.append(stamp)
-        steps = [1e-9 * (b - a) for a, b in pairwise(self._stamps) if b > a]
-        if len(self._stamps) == TELLING and steps:
-            period = min(steps)
-            if abs(period / self._period - 1.0) > SAME_RATE:
+        if len(self._stamps) == TELLING:
+            period = 1e-9 * median(b - a for a, b in pairwise(self._stamps))
+            if period > 0.0 and abs(period / self._period - 1.0) > SAME_RATE:
                 raise MicrogripperError(
                     f"the plant samples at {1.0 / period:.6g} Hz, the recording at "
                     f"{1.0 / self._period:.6g} Hz; set the plant's sample_rate to that"

@@ -100,14 +100,8 @@ class Recorder(Shell):
         """Write what has come; how many messages that was."""
         batch = []
         for topic, subscription in self._taken.items():
-            handle = subscription.handle
-            with handle:
-                for _ in range(qos.KEPT):  # so that it ends even if they come faster
-                    taken = handle.take_message(subscription.msg_type, True)
-                    if taken is None:
-                        break
-                    message, info = taken
-                    batch.append((info["source_timestamp"], topic, message, info))
+            for message, info in topics.taken(subscription, raw=True):
+                batch.append((info["source_timestamp"], topic, message, info))
         batch.sort(key=itemgetter(0))
         for stamp, topic, message, info in batch:
             if self._is_announced(topic):
@@ -165,7 +159,7 @@ class Recorder(Shell):
         self._taken[topic] = self.create_subscription(
             kind,
             topic,
-            _never_called,
+            topics.never_called,
             quality,
             event_callbacks=qos.subscription_events(self, topic),
             qos_overriding_options=qos.overridable(reliability=False),  # that of the publisher
@@ -195,10 +189,6 @@ class Recorder(Shell):
         if self._stamped in self._wanted and self._stamped not in self._sequences:
             return Health("waiting for joint_states", Level.OK, values)
         return Health(values=values)
-
-
-def _never_called(message: bytes) -> None:
-    """The messages are taken by `Recorder.work`."""
 
 
 def main() -> None:

@@ -120,28 +120,33 @@ class Batches:
         self.subscription = node.create_subscription(
             TYPES[topic],
             topic,
-            _never_called,
+            never_called,
             qos.quality(qos.KEPT),
             event_callbacks=qos.subscription_events(node, topic),
             qos_overriding_options=qos.overridable(),
         )
 
     def take(self) -> Iterator[Any]:
-        """The messages that have come since the last call, oldest first.
-
-        No more than are kept, so that it ends even if they come faster than they are taken.
-        """
-        handle, kind = self.subscription.handle, self.subscription.msg_type
-        with handle:
-            for _ in range(qos.KEPT):
-                taken = handle.take_message(kind, False)
-                if taken is None:
-                    return
-                yield taken[0]
+        """The messages that have come since the last call, oldest first."""
+        return (message for message, _ in taken(self.subscription))
 
 
-def _never_called(message: object) -> None:
-    """See `Batches`."""
+def taken(subscription: Subscription, *, raw: bool = False) -> Iterator[tuple[Any, dict[str, int]]]:
+    """The messages that have come, oldest first, each with what the middleware knows of it.
+
+    No more than are kept, so that it ends even if they come faster than they are taken.
+    """
+    handle = subscription.handle
+    with handle:
+        for _ in range(qos.KEPT):
+            one = handle.take_message(subscription.msg_type, raw)
+            if one is None:
+                return
+            yield one
+
+
+def never_called(message: object) -> None:
+    """The callback of a subscription whose messages are taken past the executor."""
 
 
 def type_named(name: str) -> type:

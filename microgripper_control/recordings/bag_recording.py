@@ -52,13 +52,18 @@ class Choice:
     def joint_of(self, layout: Layout) -> str | None:
         """Whose number is read in a message; None where it is not by a joint's name."""
         names = layout.texts.get("name", ())
-        by_name = self.topic.type == JOINT_STATE and (self.field or "position") in BY_NAME
-        return (JOINT if JOINT in names else names[0]) if by_name and names else None
+        return (JOINT if JOINT in names else names[0]) if self._is_by_name and names else None
+
+    def passes_over(self, layout: Layout) -> bool:
+        """Whether a message is of another joint than the one that is read."""
+        return self.joint is not None and self._is_by_name and self.joint_of(layout) != self.joint
+
+    @property
+    def _is_by_name(self) -> bool:
+        return self.topic.type == JOINT_STATE and (self.field or "position") in BY_NAME
 
     def place(self, layout: Layout) -> Place | None:
         """The quantity's number in a message; LayoutError if it is needed and not there."""
-        if self.joint is not None and self.joint_of(layout) != self.joint:
-            return None
         try:
             return layout.place(self._path(layout))
         except LayoutError:
@@ -169,53 +174,60 @@ def _choose(
 def _series(bag: Bag, notes: list[str], *choices: Choice) -> Series:
     """Read quantities that are on one topic.
 
-    Where drivers share a topic, each with a joint of its own, one joint's messages are read.
+    Where drivers share a topic, each with joints of its own, the finger's messages are read.
     """
     joints: set[str] = set()
-    series = _numbers(bag, choices, joints)
-    if len(joints) < 2:
-        return series
-    topic = choices[0].topic.name
-    if JOINT not in joints:
-        raise MicrogripperError(
-            f"{bag.path}: topic {topic} has messages of {', '.join(sorted(joints))}; "
-            f"call the one to be read {JOINT!r}, or record it on a topic of its own"
-        )
-    series = _numbers(bag, [replace(choice, joint=JOINT) for choice in choices], joints)
-    own = ~np.all(np.isnan(series.values), axis=1)
-    notes.append(f"{topic}: {np.count_nonzero(~own)} messages are of other joints")
-    stamps = None if series.stamps is None else series.stamps[own]
-    return Series(series.received[own], stamps, series.values[own])
+    series, others = _numbers(bag, [replace(choice, joint=JOINT) for choice in choices], joints)
+    if others and JOINT not in joints:  # the only joint may have any name
+        series, others = _numbers(bag, choices, joints)
+        if len(joints) > 1:
+            raise MicrogripperError(
+                f"{bag.path}: topic {choices[0].topic.name} has messages of "
+                f"{', '.join(sorted(joints))}; call the one to be read {JOINT!r}, or record it on "
+                "a topic of its own"
+            )
+    if others:
+        notes.append(f"{choices[0].topic.name}: {others} messages are of other joints")
+    return series
 
 
-def _numbers(bag: Bag, choices: Sequence[Choice], joints: set[str]) -> Series:
-    """The numbers of all messages of a topic; the joints that they are of are added to `joints`."""
+def _numbers(bag: Bag, choices: Sequence[Choice], joints: set[str]) -> tuple[Series, int]:
+    """The numbers of a topic's messages, and how many of these are passed over.
+
+    The joints that the messages are of are added to `joints`.
+    """
 
     def pick(layout: Layout) -> list[Place | None]:
-        stamp = [layout.places.get(f"header.stamp.{part}") for part in ("sec", "nanosec")]
         joints.update(name for choice in choices if (name := choice.joint_of(layout)))
+        if any(choice.passes_over(layout) for choice in choices):
+            return [None] * (2 + len(choices))
+        stamp = [layout.places.get(f"header.stamp.{part}") for part in ("sec", "nanosec")]
         return [*stamp, *(choice.place(layout) for choice in choices)]
 
     topic, scales = choices[0].topic, np.array([choice.scale for choice in choices])
     received, stamps, values = [np.empty(0, np.int64)], [np.empty(0, np.int64)], []
+    others = 0
     # By the block all of it stays in the processor's cache, which a long bag's table would not.
     for times, table in values_by_block(bag, topic, pick):
+        passed_over = np.isnan(table[:, 0]) & (topic.type == JOINT_STATE)  # its header has a stamp
+        if passed_over.any():
+            others += int(np.count_nonzero(passed_over))
+            times, table = times[~passed_over], table[~passed_over]
         seconds, nanoseconds = np.nan_to_num(table[:, :2]).T.astype(np.int64)  # NaN: no stamps
         received.append(times)
         stamps.append(seconds * 10**9 + nanoseconds)
         values.append(table[:, 2:] * scales)
     if not values:
         if not choices[0].needed:
-            return Series(received[0], None, np.empty((0, len(choices))))
+            return Series(received[0], None, np.empty((0, len(choices)))), 0
         raise MicrogripperError(f"{bag.path}: topic {topic} holds no messages")
     stamped = any(map(np.any, stamps))
-    return _in_order_of_receipt(
-        Series(
-            np.concatenate(received),
-            np.concatenate(stamps) if stamped else None,
-            np.concatenate(values),
-        )
+    series = Series(
+        np.concatenate(received),
+        np.concatenate(stamps) if stamped else None,
+        np.concatenate(values),
     )
+    return _in_order_of_receipt(series), others
 
 
 def _in_order_of_receipt(series: Series) -> Series:

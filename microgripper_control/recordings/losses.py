@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from statistics import median
 
+LEAP = 10_000  # numbers: more than are kept, so that so many are not lost at once
 FIRST = 200  # intervals between stamps that tell the sample period
 
 
 class Sequence:
     """Messages of publishers that each number their own; one that is new begins anywhere.
 
-    A number follows the largest below it that nothing has followed yet.
+    A number follows the largest below it that nothing has followed yet, but not by a LEAP.
     """
 
     def __init__(self) -> None:
@@ -21,7 +22,8 @@ class Sequence:
     def note(self, number: int) -> None:
         """Count a message with its sequence number."""
         self.count += 1
-        last = max((last for last in self._lasts if last < number), default=None)
+        near = range(number - LEAP, number)
+        last = max((last for last in self._lasts if last in near), default=None)
         if last is not None:
             self.lost += number - last - 1
             self._lasts.remove(last)

@@ -46,8 +46,8 @@ def _alike(database: sqlite3.Connection, number: int, topic: Topic) -> Generator
         if database.execute("PRAGMA encoding").fetchone() != ("UTF-8",):
             return after
         first = database.execute(FIRST_SIZE, [number, after]).fetchone()
-        while first is not None:
-            rows = max(1, min(ROWS_AT_ONCE, BYTES_AT_ONCE // max(1, *first)))
+        while first is not None and first[0]:
+            rows = max(1, min(ROWS_AT_ONCE, BYTES_AT_ONCE // first[0]))
             here = [*first, number, after, after + rows]
             data, times, count, alike = database.execute(SIDE_BY_SIDE, here).fetchone()
             if not count or alike < count or len(data) != count * first[0]:

@@ -18,6 +18,7 @@ from microgripper_control.report.page import Page
 
 COLOURS = {"feedforward": THIRD, "pid": FOURTH, "cascade": SIMULATED}
 MICRO = 1e6
+MOST_SHOWN = 0.999  # of the errors: a start from rest is cut off
 MOST_POINTS = 4000  # of a drawn line
 HISTOGRAM = 5.0  # half its width, in standard deviations
 
@@ -69,6 +70,7 @@ def draw_tracking(path: Path, recording: Recording, parts: Sequence[Tracking]) -
     runs = {mode: [part for part in parts if part.mode == mode] for mode in modes}
     spans = {mode: slice(own[0].start, own[-1].stop) for mode, own in runs.items()}
     longest = max(span.stop - span.start for span in spans.values())
+    largest = 0.0
     with figure(path, (8.0, 5.5)) as drawn:
         course, error = drawn.subplots(2, 1, sharex=True, height_ratios=(3, 2))
         for mode, span in spans.items():
@@ -79,11 +81,13 @@ def draw_tracking(path: Path, recording: Recording, parts: Sequence[Tracking]) -
             if mode == modes[0]:
                 course.plot(time, MICRO * wanted, color=MEASURED, lw=1.6, label="setpoint")
             course.plot(time, MICRO * reached, color=COLOURS[mode], lw=0.8, label=mode)
-            error.plot(time, MICRO * (wanted - reached), color=COLOURS[mode], lw=0.8, label=mode)
+            missed = MICRO * (wanted - reached)
+            error.plot(time, missed, color=COLOURS[mode], lw=0.8, label=mode)
+            largest = max(largest, float(np.quantile(np.abs(missed), MOST_SHOWN)))
         course.legend(ncols=4, loc="lower center", bbox_to_anchor=(0.5, 1.05))
         label(course, "", "displacement (µm)", "Tracking")
         label(error, "time (s)", "setpoint minus\ndisplacement (µm)")
-        error.set_ylim(-1.0, 1.0)
+        error.set_ylim(-1.1 * largest, 1.1 * largest)
 
 
 def draw_gap(path: Path, found: Diagnosis) -> None:

@@ -6,9 +6,12 @@ import shlex
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
+
 from microgripper_control.diagnosis.findings import Diagnosis
 from microgripper_control.diagnosis.result_file import MODEL, NEXT_EXPERIMENT
 from microgripper_control.effects.registry import registry
+from microgripper_control.identification.nuisance import blocks
 from microgripper_control.plant.model import Key, Model
 from microgripper_control.report.markup import Html, element, joined
 from microgripper_control.report.wording import listed, number, scaled, span
@@ -114,10 +117,20 @@ def repeating(diagnosis: Diagnosis, folder: Path, maps: Sequence[str]) -> Html:
             "p",
             "Given where the diagnosis was made, each command prints the error of the final model "
             "on one recording, as it was judged here: the recording's own zero and initial state "
-            "are fitted on blocks 1, 3, 5, 7, 9 of ten, the error is taken on the others.",
+            "are fitted on blocks 1, 3, 5, 7, 9 of ten, the error is taken on the others."
+            f"{_if_strips(diagnosis)}",
         ),
         element("pre", element("code", "\n".join(commands)), tabindex="0"),
     )
+
+
+def _if_strips(diagnosis: Diagnosis) -> str:
+    """What to know where half of the blocks that judge were fitted, too."""
+    for one in diagnosis.judged:
+        whole = blocks(len(one.recording), odd=False) & one.recording.explained
+        if np.count_nonzero(one.counted) < np.count_nonzero(whole):
+            return " Here half of these was fitted, too, or left out: the error is of the rest."
+    return ""
 
 
 def figure(name: str, title: str, caption: str) -> Html:

@@ -50,10 +50,11 @@ def recording_figures(diagnosis: Diagnosis, judged: Judged) -> dict[str, Figure 
     values = min(max(VALUES // (CURVES * len(diagnosis.judged)), FEWEST), MOST)
     residuals = [(layer, layer.residual(judged)) for layer in each]
     pair = residuals[-2:]
+    grid = Grid.of(judged.position, voltage, recording.sample_period)
     return {
         **_over_time(diagnosis, judged, residuals, values, counts),
         "spectrum": _spectrum(diagnosis, recording, residuals, counts),
-        "map": residual_map(diagnosis, Grid.of(recording, voltage), pair, counts),
+        "map": residual_map(diagnosis, grid, pair, counts),
         "holds": _holds(diagnosis, recording, pair, counts),
         **loops(diagnosis, judged, each, voltage, values, counts),
         "directions": directions(diagnosis, voltage, pair, counts),

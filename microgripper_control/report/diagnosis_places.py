@@ -10,7 +10,7 @@ import numpy as np
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.answers.places import AXES, where
-from microgripper_control.diagnosis.findings import Diagnosis, Range
+from microgripper_control.diagnosis.findings import Diagnosis, Judged, Range
 from microgripper_control.report.markup import Html, element, joined
 from microgripper_control.report.residual_views import Holds, rate_of
 from microgripper_control.report.wording import number, scaled, unbroken
@@ -42,13 +42,13 @@ def _holds(recording: Recording) -> tuple[float, float]:
 
 
 # How far each axis reaches in a recording; a direction has no axis to draw.
-REACH: dict[str, Callable[[Recording], tuple[float, float]]] = {
-    "frequency_Hz": lambda r: (1.0 / r.duration, 0.5 / r.sample_period),
-    "displacement_m": lambda r: _ends(r.measured),
-    "voltage_V": lambda r: _ends(r.voltage),
-    "rate_V_per_s": lambda r: _ends(rate_of(r.voltage, r.sample_period)),
-    "time_s": lambda r: (0.0, r.duration),
-    "hold_time_s": _holds,
+REACH: dict[str, Callable[[Judged], tuple[float, float]]] = {
+    "frequency_Hz": lambda j: (1.0 / j.recording.duration, 0.5 / j.recording.sample_period),
+    "displacement_m": lambda j: _ends(j.position),
+    "voltage_V": lambda j: _ends(j.recording.voltage),
+    "rate_V_per_s": lambda j: _ends(rate_of(j.recording.voltage, j.recording.sample_period)),
+    "time_s": lambda j: (0.0, j.recording.duration),
+    "hold_time_s": lambda j: _holds(j.recording),
 }
 
 
@@ -56,7 +56,7 @@ def _strip(found: Range, diagnosis: Diagnosis) -> Html | None:
     """The axis as far as the judging recordings reach, with the range on it."""
     if found.axis not in REACH:
         return None
-    ends = [REACH[found.axis](judged.recording) for judged in diagnosis.judged]
+    ends = [REACH[found.axis](judged) for judged in diagnosis.judged]
     low = min([found.low, *(low for low, _ in ends)])
     high = max([found.high, *(high for _, high in ends)])
     name, unit, _ = AXES[found.axis]

@@ -19,6 +19,7 @@ from microgripper_control.report.wording import (
 )
 
 SENTENCE_END = re.compile(r"(?<=[.!?])\s+(?=[A-Z])")
+LEAST_SPAN = 1.0  # of a bar, in logarithms: what is hardly above the noise has hardly a bar
 SHORTEST_BAR = 0.6  # %, so that an error at the noise floor still has a mark
 
 
@@ -76,7 +77,7 @@ def _ladder(diagnosis: Diagnosis) -> Html:
     floor = gap.noise_floor
     errors = [(layer, getattr(gap, layer.field)) for layer in layers(diagnosis)]
     times = [error / floor if floor > 0.0 else math.inf for _, error in errors]
-    longest = max([math.log(t) for t in times if 1.0 < t < math.inf], default=1.0)
+    longest = max([LEAST_SPAN, *(math.log(t) for t in times if 1.0 < t < math.inf)])
     rows = []
     for (layer, error), ratio in zip(errors, times, strict=True):
         length = 100.0 * math.log(min(max(ratio, 1.0), math.exp(longest))) / longest

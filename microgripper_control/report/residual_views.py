@@ -81,16 +81,16 @@ class Grid:
     cell: np.ndarray[tuple[int], np.dtype[np.int64]]  # of each sample, shape (n,)
 
     @classmethod
-    def of(cls, recording: Recording, voltage: Array) -> Grid:
-        """The grid that holds a recording with the voltage it answers to."""
-        rate = rate_of(voltage, recording.sample_period)
+    def of(cls, position: Array, voltage: Array, sample_period: float) -> Grid:
+        """The grid that holds a course, m, with the voltage it answers to."""
+        rate = rate_of(voltage, sample_period)
         size = np.abs(rate)
         largest = float(np.max(size))
         moving = size[size > 1e-6 * largest]
         knee = float(np.median(moving)) / 3.0 if len(moving) else 1.0
         top = float(np.arcsinh(largest / knee)) or 1.0
-        low, high = float(np.min(recording.measured)), float(np.max(recording.measured))
-        column = COLUMNS * (recording.measured - low) / (high - low)
+        low, high = float(np.min(position)), float(np.max(position))
+        column = COLUMNS * (position - low) / (high - low)
         row = ROWS * (np.arcsinh(rate / knee) / top + 1.0) / 2.0
         whole = [
             np.clip(part.astype(np.int64), 0, count - 1)

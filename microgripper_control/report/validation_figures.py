@@ -61,11 +61,15 @@ def draw_matrix(score: Score, path: Path) -> None:
     """What was answered to what was asked."""
     found = score.matrix
     rows = [i for i, row in enumerate(found.counts) if sum(row)]
-    counts = np.array([found.counts[i] for i in rows], dtype=float)
+    counts = np.array([found.counts[i] for i in rows], float).reshape(len(rows), len(found.said))
     shares = counts / np.maximum(counts.sum(axis=1, keepdims=True), 1.0)
     with figure(path, (9.5, 2.6 + 0.3 * len(rows))) as drawn:
         axes = drawn.subplots()
         axes.grid(False)
+        if not rows:
+            axes.set_axis_off()
+            axes.text(0.5, 0.5, "no single cause was asked for", ha="center")
+            return
         axes.imshow(shares, cmap="Blues", vmin=0.0, vmax=1.3, aspect="auto")
         for i, j in zip(*np.nonzero(counts), strict=True):
             axes.text(j, i, f"{counts[i, j]:g}", ha="center", va="center", fontsize=7)

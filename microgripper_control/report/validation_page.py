@@ -178,10 +178,11 @@ def _probabilities(page: Page, score: Score, folder: Path) -> None:
 def _gap(page: Page, score: Score, folder: Path) -> None:
     page.heading("How far the gap shrinks, and what one would do instead")
     page.paragraph(
-        "On the same recordings and the same held-out samples: refitting every candidate and "
-        "taking the smallest BIC; sparse regression of what the refit leaves (sequentially "
-        "thresholded least squares, as in pysindy) on terms that each stand for an effect; a "
-        "Gaussian process on the past of the voltage, which names nothing. Effects count as named "
+        "On the same recordings and the same held-out samples: refitting every candidate (from one "
+        "first guess, ten evaluations) and taking the smallest BIC; sparse regression of what the "
+        "refit leaves (sequentially thresholded least squares, as in pysindy) on terms that each "
+        "stand for an effect; a Gaussian process on the past of the voltage, which names nothing. "
+        "Effects count as named "
         "where they stand first, all strengths together, groups aside."
     )
     header = (

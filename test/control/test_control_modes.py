@@ -261,5 +261,5 @@ def test_an_open_loop_command_out_of_range_counts_as_out_of_reach() -> None:
         controller.step(500.0, 0.0, 160.0)
     controller.step(100.0, 0.0, 160.0)
     assert controller.clamped == 5
-    controller.start(160.0)
+    controller.forget_counts()
     assert controller.clamped == 0

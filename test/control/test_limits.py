@@ -126,10 +126,11 @@ def test_beginning_again_the_rate_comes_before_what_is_reported(
 
 
 @given(guards(), voltages, st.floats(0.0, 2.0))
-def test_a_ramp_that_is_stepped_too_fast_keeps_its_rate_in_time(
+def test_a_ramp_that_is_stepped_too_fast_keeps_the_rate_in_time(
     guard: VoltageGuard, reported: float, share: float
 ) -> None:
     before = guard.start(reported)
     guard.passed(share * T)
     answer = guard.ramp_to(guard.limits.safe)
-    assert abs(answer - before) <= guard.limits.ramp_rate * min(share, 1.0) * T + ROUNDING
+    most = min(guard.limits.ramp_rate * T, guard.limits.rate * min(share, 1.0) * T)
+    assert abs(answer - before) <= most + ROUNDING

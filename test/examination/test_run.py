@@ -141,7 +141,7 @@ def test_too_late_is_an_outcome(written: Path, tmp_path: Path) -> None:
 def test_a_failure_is_an_outcome_with_its_reason(written: Path, tmp_path: Path) -> None:
     asked = ask(written, tmp_path / "answer", withheld=("no_such_effect",))
     assert asked.outcome == FAILED
-    assert "--without: unknown link 'no_such_effect'" in asked.why
+    assert "--without no_such_effect: is no effect that is tried" in asked.why
 
 
 def test_the_diagnosing_process_is_given_nothing_that_tells(written: Path) -> None:

@@ -151,3 +151,14 @@ def test_an_examination_without_any_case_has_a_page(tmp_path: Path) -> None:
     empty = scored([])
     json.dumps(as_json(empty, Extent(1, quick=True)), allow_nan=False)
     assert write_validation_page(empty, tmp_path, Extent(1, quick=True)).exists()
+
+
+def test_an_examination_of_pairs_alone_has_a_page(cases: list[Marked], tmp_path: Path) -> None:
+    pairs = scored([case for case in cases if case.sealed.question == "pairs"])
+    assert write_validation_page(pairs, tmp_path, Extent(1, quick=True)).exists()
+
+
+def test_a_blank_without_an_answer_is_no_quiet_one(cases: list[Marked]) -> None:
+    late = marked(("none",), None, number=9, ratio=1.0)
+    assert late.alarmed is None
+    assert scored([*cases, late]).false_alarms.of == scored(cases).false_alarms.of

@@ -186,7 +186,7 @@ def test_lost_feedback_brings_the_voltage_down_and_the_next_sample_up_again(benc
     assert down[0] == pytest.approx(up - 2.0)
     health = made.health()
     assert (health.level, health.message) == (
-        Level.WARN,
+        Level.ERROR,
         "feedback lost: none comes; safe voltage",
     )
     made.run(300)  # by the setpoint that it has

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import pytest
+
 from microgripper_control.recordings.losses import Sequence, StampedSamples
 
 MILLISECOND = 1_000_000  # ns
@@ -37,11 +39,12 @@ def test_time_that_runs_backwards_is_no_gap() -> None:
     assert samples.missing == 0
 
 
-def test_two_publishers_by_turns_lose_nothing() -> None:
+@pytest.mark.parametrize("first", [0, 50_000])
+def test_two_publishers_by_turns_lose_nothing(first: int) -> None:
     sequence = Sequence()
     for number in range(1, 100):
-        sequence.note(50_000 + number)
-        sequence.note(number)
+        sequence.note(first + number)
+        sequence.note(50_000 - first + number)
     assert (sequence.count, sequence.lost) == (198, 0)
     sequence.note(50_105)
     sequence.note(100)

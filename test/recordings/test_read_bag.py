@@ -215,15 +215,31 @@ def test_messages_in_order_of_receipt(tmp_path: Path) -> None:
             assert len(list(bag.messages(bag.topics[1:]))) == COUNT
 
 
-def test_a_topic_that_drivers_share(tmp_path: Path) -> None:
-    """Each has a joint of its own; that of the finger is read, though it comes second."""
-    other = [joint_state(k * PERIOD, [5e-3], [7.0], names=["stage"]) for k in range(COUNT)]
+@pytest.mark.parametrize(
+    ("names", "position", "effort"),
+    [(["stage"], [5e-3], [7.0]), (["stage"], [5e-3], []), (["s", "t"], [1.0, 2.0], [3.0, 4.0])],
+)
+def test_a_topic_that_drivers_share(
+    tmp_path: Path, names: list[str], position: list[float], effort: list[float]
+) -> None:
+    """Each has joints of its own; those of the finger are read, though they come second."""
+    other = [joint_state(k * PERIOD, position, effort, names=names) for k in range(COUNT)]
     own = [replace(one, at=one.at + PERIOD // 2) for one in samples()]
     recording = read_recording(write(tmp_path / "run", [*other, *own]))
     assert np.array_equal(recording.voltage, np.arange(float(COUNT)))
     assert np.allclose(recording.measured, 1e-6 * np.arange(COUNT), atol=1e-18)
     assert recording.warnings == (f"/joint_states: {COUNT} messages are of other joints",)
+
+
+def test_drivers_that_share_a_topic_without_a_finger(tmp_path: Path) -> None:
+    other = [joint_state(k * PERIOD, [5e-3], [7.0], names=["stage"]) for k in range(COUNT)]
     wrist = [joint_state(k * PERIOD + 9, [5e-3], [7.0], names=["wrist"]) for k in range(COUNT)]
     assert "has messages of stage, wrist; call the one to be read 'finger'" in complaint(
         write(tmp_path / "others", [*other, *wrist])
     )
+
+
+def test_a_finger_that_reads_nothing_is_no_other_joint(tmp_path: Path) -> None:
+    sent = samples()
+    sent[7] = joint_state(7 * PERIOD, [np.nan], [np.nan])
+    assert "sample 7" in complaint(write(tmp_path / "run", sent))

@@ -184,16 +184,33 @@ def test_a_csv_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
     assert [file.name for file in (tmp_path / "out").iterdir()] == ["run.csv"]
 
 
-def test_a_last_line_that_was_cut_off_is_left_out(tmp_path: Path) -> None:
-    rows = [f"{1e-3 * k:.3f},{k},{k}.5e-7" for k in range(40)]
+@pytest.mark.parametrize("cut", range(1, 18))
+def test_a_last_line_that_was_cut_off_is_left_out(tmp_path: Path, cut: int) -> None:
+    """Wherever a logger was killed; 3.95e-06 without its end would be metres."""
+    rows = [f"{1e-3 * k:.3f},{k},{1e-7 * k:.5e}" for k in range(40)]
     path = tmp_path / "killed.csv"
-    path.write_text("time_s,voltage_V,displacement_m\n" + "\n".join(rows)[:-3])
+    path.write_text("time_s,voltage_V,displacement_m\n" + "\n".join(rows)[:-cut])
     recording = read_recording(path)
     assert len(recording) == 39
     assert recording.measured.max() < 1e-5
-    assert recording.warnings == (
-        "the last line has no end and may be cut off within a number: it was left out",
-    )
+    assert recording.warnings == ("the last line is cut off: it was left out",)
+
+
+def test_a_whole_last_line_needs_no_end(tmp_path: Path) -> None:
+    rows = [f"{1e-3 * k:.3f},{k},{1e-7 * k:.5e}" for k in range(40)]
+    path = tmp_path / "whole.csv"
+    path.write_text("time_s,voltage_V,displacement_m\n" + "\n".join(rows))
+    recording = read_recording(path)
+    assert len(recording) == 40
+    assert recording.warnings == ()
+
+
+def test_text_with_line_breaks_in_the_last_row(tmp_path: Path) -> None:
+    rows = [f"{1e-3 * k:.3f},{k},{1e-7 * k:.5e},ok" for k in range(40)]
+    rows[-1] = rows[-1].replace("ok", '"long\nnote, with, many, commas, in it"')
+    path = tmp_path / "notes.csv"
+    path.write_text("\n".join(["time_s,voltage_V,displacement_m,note", *rows, ""]))
+    assert len(read_recording(path)) == 40
 
 
 def test_decimal_commas_behind_a_first_row_of_whole_numbers(tmp_path: Path) -> None:

@@ -57,7 +57,7 @@ def test_under_zero_order_hold_a_sample_answers_to_the_voltage_before() -> None:
 
 def test_the_map_shows_a_residual_that_is_the_displacement_times_the_direction() -> None:
     given = recording(75.0 * (1.0 - np.cos(2.0 * np.pi * TIME)))
-    grid = Grid.of(given, given.voltage)
+    grid = Grid.of(given.measured, given.voltage, given.sample_period)
     direction = np.sign(rate_of(given.voltage, T))
     mean = grid.mean(given.measured * direction, np.ones(len(TIME), bool))
     assert mean.shape == (ROWS, COLUMNS)
@@ -71,7 +71,7 @@ def test_the_map_shows_a_residual_that_is_the_displacement_times_the_direction()
 
 def test_a_rate_lies_on_the_map_where_it_is_drawn() -> None:
     given = recording(75.0 * (1.0 - np.cos(2.0 * np.pi * TIME)))
-    grid = Grid.of(given, given.voltage)
+    grid = Grid.of(given.measured, given.voltage, given.sample_period)
     largest = float(np.max(np.abs(rate_of(given.voltage, T))))
     assert [grid.position(rate) for rate in (-largest, 0.0, largest)] == pytest.approx([0, 0.5, 1])
 

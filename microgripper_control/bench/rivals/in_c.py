@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.signals import Array
 
 SOURCE = Path(__file__).with_name("chain.c")
@@ -33,7 +34,12 @@ class ChainInC:
     ) -> None:
         library = folder / f"chain{''.join(options)}.so"
         command = [cc, *OPTIONS, *options, "-o", str(library), str(SOURCE), "-lm"]
-        subprocess.run(command, check=True, capture_output=True)
+        try:
+            subprocess.run(command, check=True, capture_output=True)
+        except (OSError, subprocess.CalledProcessError) as error:
+            raise MicrogripperError(
+                f"bench: {cc} does not compile {SOURCE.name}: {error}"
+            ) from None
         self._chain = ctypes.CDLL(str(library)).chain
         self._chain.argtypes = [NUMBERS] * 4 + [ctypes.c_size_t]
         self._chain.restype = None

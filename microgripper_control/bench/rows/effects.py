@@ -119,7 +119,7 @@ def _by_steps(effort: Effort) -> tuple[Line, Curve]:
 
 
 _NOTE = (
-    "Linear in the links: effects together cost what they cost one by one. A force is solved "
+    "The first two lines say how far from linear in the links it is. A force is solved "
     "inside the mechanics in substeps, few where the mass comes to rest, many where its path "
     "counts. The chain with everything on takes {:.0f} substeps and {:.1f} us a sample."
 )

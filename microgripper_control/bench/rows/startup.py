@@ -5,6 +5,8 @@ from __future__ import annotations
 import subprocess
 import sys
 import time
+from contextlib import suppress
+from threading import Timer
 
 import numpy as np
 
@@ -21,7 +23,8 @@ rclpy.init()
 node = rclpy.create_node("bare")
 node.get_logger().info("ready")
 """
-PATIENCE = 30.0  # s
+LONGEST = 120.0  # s, until a node is ready
+PATIENCE = 30.0  # s, until it has ended
 ONE_SECOND = at_most(1.0)
 
 
@@ -69,15 +72,20 @@ def until_ready(words: list[str], env: dict[str, str], effort: Effort) -> float:
         stderr=subprocess.PIPE,
     )
     assert process.stderr is not None
+    too_long = Timer(LONGEST, process.kill)
+    too_long.start()
     try:
         for line in process.stderr:
             if READY in line.decode(errors="replace"):
                 return time.monotonic() - began
         raise MicrogripperError(f"bench: {words[1]} ended before it was ready")
     finally:
+        too_long.cancel()
         process.terminate()
         process.stderr.close()
-        process.wait(PATIENCE)
+        with suppress(subprocess.TimeoutExpired):
+            process.wait(PATIENCE)
+        process.kill()
 
 
 ROW = Row("startup", "start-up of a node", measure)

@@ -27,6 +27,11 @@ class Excitation:
     description: str
     voltage: Array
 
+    @property
+    def fastest(self) -> float:
+        """The largest change from one sample to the next, V."""
+        return float(np.max(np.abs(np.diff(self.voltage))))
+
 
 @dataclass(frozen=True)
 class Reach:

@@ -43,8 +43,9 @@ def next_experiment(
     """The voltage that would best tell fitted models apart, the most probable one first.
 
     It stays within the recording's and the models' range of voltage, and so slow that the
-    recording's sample period shows it, and moves the rig no further than it has moved. `noise` is
-    the noise floor, m. None with fewer than two rivals, or where nothing of that kind can be made.
+    recording's sample period shows it, and moves the rig little further than it has moved
+    (MOST_STROKE). `noise` is the noise floor, m. None with fewer than two rivals, or where nothing
+    of that kind can be made.
     """
     reach = _reach(rivals, recording, conditions)
     if reach is None:
@@ -129,6 +130,10 @@ def _why(
             f"{_name(rivals[wrong])} can give by {quantity(apart.rms, 'm')} rms, "
             f"{number(apart.rms / noise)} times the noise, and by {quantity(apart.largest, 'm')} "
             f"at {quantity(apart.time, 's', 3)}."
+        )
+        sentences.append(
+            f"its voltage changes by up to {quantity(excitation.fastest, 'V')} from one sample to "
+            "the next, which the controller's voltage_rate has to allow."
         )
     for pair in (pair for pair in table if pair not in told):
         one, other = (rivals[index] for index in pair)

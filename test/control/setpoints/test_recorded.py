@@ -41,15 +41,19 @@ def test_holds_each_value_until_the_next(csv: Write) -> None:
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        ("", "a header and at least one row are needed"),
-        ("time_s,voltage_V\n", "a header and at least one row are needed"),
-        ("t,voltage_V\n0,1\n", "no column time_s; there are t, voltage_V"),
-        ("time_s,a,b\n0,1,2\n", "choose a column; there are time_s, a, b"),
-        ("time_s,a\n0,1\n1\n", "row 2: '' is not a number"),
-        ("time_s,a\n0,1\n1,x\n", "row 2: 'x' is not a number"),
-        ("time_s,a\n0,1\n1,inf\n", "row 2: inf is not finite"),
+        ("", "is empty; expected a header such as time_s,setpoint_m"),
+        ("time_s,voltage_V\n", "has no rows; at least one is needed"),
+        (
+            "t,voltage_V\n0,1\n",
+            "no columns named 'time_s' where one is needed; it has t, voltage_V",
+        ),
+        ("time_s,a,b\n0,1,2\n", "choose a column; it has time_s, a, b"),
+        ("time_s,a\n0,1\n1\n", "line 3: 1 cells, none in column 'a'; complete or remove it"),
+        ("time_s,a\n0,1\n1,x\n", "line 3: 'x' in column 'a' is not a number"),
+        ("time_s,a\n0,1\n1,inf\n", "row 2: a is inf"),
         ("time_s,a\n0,1\n1,2\n1,3\n", "row 3: time_s must rise"),
-        (b"\xff\xfe\x00\x80", "is not a CSV text file"),
+        ("time_s;a\n0;1\n1;2,5\n", "line 3: '2,5' in column 'a' is not a number"),
+        (b"\xff\xfe\x00\x80", "is neither a rosbag2 nor a CSV in UTF-8"),
     ],
 )
 def test_a_bad_file_gives_one_line_that_names_it(
@@ -64,7 +68,9 @@ def test_a_bad_file_gives_one_line_that_names_it(
 def test_a_missing_file_or_column_is_named(csv: Write, tmp_path: Path) -> None:
     with pytest.raises(MicrogripperError, match=r"nowhere\.csv: cannot be read: No such file"):
         read_recorded(tmp_path / "nowhere.csv")
-    with pytest.raises(MicrogripperError, match="no column c; there are time_s, a, b"):
+    with pytest.raises(
+        MicrogripperError, match="no columns named 'c' where one is needed; it has time_s, a, b"
+    ):
         read_recorded(csv("time_s,a,b\n0,1,2\n"), "c")
 
 

@@ -1,0 +1,207 @@
+"""A CSV table of numbers: a header with the names of the columns, then rows.
+
+Commas, semicolons or tabs separate them. Numbers have a decimal point.
+"""
+
+from __future__ import annotations
+
+import csv
+import os
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple, TextIO
+
+import numpy as np
+
+from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.signals import Array
+
+DELIMITERS = ",;\t"
+LONGEST_HEADER = 65536  # characters
+FEW = 10  # rows: of fewer the last is not judged by the others
+
+
+class Rows(NamedTuple):
+    """Numbers, shape (rows, columns), and whether a last line that was `cut` off is left out."""
+
+    values: Array
+    cut: bool = False
+
+
+@dataclass(frozen=True)
+class Table:
+    """A file, the names of its columns and what separates them."""
+
+    path: Path
+    header: list[str]
+    delimiter: str
+
+    @classmethod
+    def opened(cls, path: str | Path, usual: str) -> Table:
+        """The table in a file, whose header should be like `usual`.
+
+        MicrogripperError says what is wrong with the header, or with the number of cells.
+        """
+        path = Path(path)
+        with _readable(path):
+            with _text(path) as file:
+                line = file.readline(LONGEST_HEADER)
+            if not line.strip():
+                raise MicrogripperError(f"{path}: is empty; expected a header such as {usual}")
+            if "\0" in line or "\ufffd\ufffd" in line:
+                raise MicrogripperError(f"{path}: is neither a rosbag2 nor a CSV in UTF-8")
+            delimiter = max(DELIMITERS, key=line.count)  # of as many the first
+            header = [name.strip() for name in next(csv.reader([line], delimiter=delimiter))]
+            if all(_is_number(name) for name in header):
+                raise MicrogripperError(
+                    f"{path}: line 1 has numbers where the names of the columns should be, such "
+                    f"as {usual}"
+                )
+            table = cls(path, header, delimiter)
+            table._check_width()
+            return table
+
+    def column(self, name: str) -> int:
+        """Where the one column of a name stands; MicrogripperError if there is none, or several."""
+        if self.header.count(name) != 1:
+            count = self.header.count(name) or "no"
+            raise MicrogripperError(
+                f"{self.path}: {count} columns named {name!r} where one is needed; "
+                f"it has {', '.join(self.header)}"
+            )
+        return self.header.index(name)
+
+    def numbers(self, columns: Sequence[int], sparse: int | None = None) -> Rows:
+        """The numbers of some columns; that in `sparse` may be missing, which is NaN.
+
+        MicrogripperError names the line, the cell and its column where there is no number.
+        """
+        with _readable(self.path):
+            ended = self._end().endswith(("\n", "\r"))
+            try:
+                with warnings.catch_warnings():
+                    warnings.simplefilter("ignore")  # of a file without rows
+                    values = np.loadtxt(
+                        self.path,
+                        delimiter=self.delimiter,
+                        skiprows=1,
+                        usecols=columns,
+                        ndmin=2,
+                        comments=None,
+                        quotechar='"',
+                        encoding="latin-1",
+                    )
+            except ValueError:
+                return self._row_by_row(columns, sparse, ended=ended)
+            if ended or _goes_on(values):
+                return Rows(values)
+            return Rows(values[:-1], cut=True)
+
+    def _row_by_row(self, columns: Sequence[int], sparse: int | None, *, ended: bool) -> Rows:
+        """As `numbers`, slower, but able to name what is wrong and to leave out what may be."""
+        rows: list[list[float]] = []
+        cut = False
+        with _text(self.path) as file:
+            reader = csv.reader(file, delimiter=self.delimiter)
+            try:
+                next(reader)
+                for row in reader:
+                    if not any(cell.strip() for cell in row):
+                        continue
+                    line = reader.line_num
+                    try:
+                        rows.append([self._number(row, at, line, sparse) for at in columns])
+                    except MicrogripperError:
+                        cut = not ended and next(reader, None) is None
+                        if not cut:
+                            raise
+            except csv.Error as error:
+                raise MicrogripperError(f"{self.path}: line {reader.line_num}: {error}") from None
+        values = np.array(rows, dtype=float).reshape(len(rows), len(columns))
+        if ended or cut or _goes_on(values):
+            return Rows(values, cut=cut)
+        return Rows(values[:-1], cut=True)
+
+    def _number(self, row: list[str], at: int, line: int, sparse: int | None) -> float:
+        where = f"{self.path}: line {line}"
+        if at >= len(row):
+            raise MicrogripperError(
+                f"{where}: {len(row)} cells, none in column {self.header[at]!r}; complete or "
+                "remove it"
+            )
+        cell = row[at].strip()
+        if not cell and at == sparse:
+            return float("nan")
+        try:
+            return float(cell)
+        except ValueError:
+            raise MicrogripperError(
+                f"{where}: {cell!r:.40} in column {self.header[at]!r} is not a number"
+            ) from None
+
+    def _check_width(self) -> None:
+        """Raise MicrogripperError if a row has more cells than names: 5,002 is two of them.
+
+        The first and the last are looked at: one of them may have whole numbers only.
+        """
+        with _text(self.path) as file:
+            reader = csv.reader(file, delimiter=self.delimiter)
+            try:
+                next(reader)
+                first = next((row for row in reader if any(cell.strip() for cell in row)), [])
+                last_line = self._end().rstrip("\r\n").rsplit("\n", 1)[-1]
+                last = next(csv.reader([last_line], delimiter=self.delimiter), [])
+            except csv.Error:
+                return  # told where the row is read
+            if not all(_is_number(cell or "0") for cell in last):
+                last = []  # text with line breaks in it, or a line that was cut off
+            for which, row in ((f"line {reader.line_num}", first), ("the last line", last)):
+                if any(cell.strip() for cell in row[len(self.header) :]):
+                    raise MicrogripperError(
+                        f"{self.path}: {which}: {len(row)} cells, the header has "
+                        f"{len(self.header)}; with decimal commas, separate the columns by "
+                        "semicolons and write points"
+                    )
+
+    def _end(self) -> str:
+        """The last characters of the file."""
+        with self.path.open("rb") as file:
+            size = file.seek(0, os.SEEK_END)
+            file.seek(max(0, size - LONGEST_HEADER))
+            return file.read().decode("latin-1")
+
+
+def _text(path: Path) -> TextIO:
+    # Only the names of the columns are text: a foreign encoding spoils at most those.
+    return path.open(encoding="utf-8-sig", errors="replace", newline="")
+
+
+@contextmanager
+def _readable(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise MicrogripperError(f"{path}: cannot be read: {error.strerror}") from None
+
+
+def _goes_on(values: Array) -> bool:
+    """Whether the last row is in line with those before it: 4.8e-07 without its end is 4.8."""
+    if len(values) < FEW:
+        return True
+    before, last = values[:-1], values[-1]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of a column that is missing everywhere
+        low, high = np.nanmin(before, axis=0), np.nanmax(before, axis=0)
+    span = high - low
+    return not np.any((last < low - span) | (last > high + span))
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
