@@ -94,11 +94,12 @@ class Table:
                         quotechar='"',
                         encoding="latin-1",
                     )
+                rows = Rows(values)
             except ValueError:
-                return self._row_by_row(columns, sparse, ended=ended)
-            if ended or _goes_on(values):
-                return Rows(values)
-            return Rows(values[:-1], cut=True)
+                rows = self._row_by_row(columns, sparse, ended=ended)
+            if ended or rows.cut or _goes_on(rows.values):
+                return rows
+            return Rows(rows.values[:-1], cut=True)
 
     def _row_by_row(self, columns: Sequence[int], sparse: int | None, *, ended: bool) -> Rows:
         """As `numbers`, slower, but able to name what is wrong and to leave out what may be."""
@@ -120,10 +121,7 @@ class Table:
                             raise
             except csv.Error as error:
                 raise MicrogripperError(f"{self.path}: line {reader.line_num}: {error}") from None
-        values = np.array(rows, dtype=float).reshape(len(rows), len(columns))
-        if ended or cut or _goes_on(values):
-            return Rows(values, cut=cut)
-        return Rows(values[:-1], cut=True)
+        return Rows(np.array(rows, dtype=float).reshape(len(rows), len(columns)), cut)
 
     def _number(self, row: list[str], at: int, line: int, sparse: int | None) -> float:
         where = f"{self.path}: line {line}"

@@ -39,7 +39,7 @@ from microgripper_control.diagnosis.signs.signatures import signatures
 from microgripper_control.diagnosis.signs.where import locate
 from microgripper_control.effects.base import no_starts
 from microgripper_control.effects.registry import registry
-from microgripper_control.identification.nuisance import Conditions, heldout_prediction
+from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.model import Model
 
 
@@ -220,17 +220,20 @@ def _judged(
     augmented: Trial,
 ) -> tuple[Judged, ...]:
     """What the three models say about each judging recording."""
-    found = []
-    rows = zip(evidence.judged, evidence.compared, residuals, strict=True)
-    for recording, compared, residual in rows:
-        said = [
-            heldout_prediction(trial.model, recording, evidence.conditions)
-            for trial in (nominal, refit, augmented)
-        ]
-        before, after, last = (one.prediction for one in said)
-        counted = said[0].counted & compared
-        found.append(Judged(recording, counted, before, after, last, residual.zero))
-    return tuple(found)
+    said = [evidence.predictions(trial.model) for trial in (nominal, refit, augmented)]
+    return tuple(
+        Judged(
+            recording,
+            before.counted,
+            before.prediction,
+            after.prediction,
+            last.prediction,
+            residual.zero,
+        )
+        for recording, residual, before, after, last in zip(
+            evidence.judged, residuals, *said, strict=True
+        )
+    )
 
 
 def _shares(pool: Pool, effects: Sequence[str], best: Trial) -> Mapping[str, float]:

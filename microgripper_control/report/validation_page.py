@@ -182,8 +182,7 @@ def _gap(page: Page, score: Score, folder: Path) -> None:
         "first guess, ten evaluations) and taking the smallest BIC; sparse regression of what the "
         "refit leaves (sequentially thresholded least squares, as in pysindy) on terms that each "
         "stand for an effect; a Gaussian process on the past of the voltage, which names nothing. "
-        "Effects count as named "
-        "where they stand first, all strengths together, groups aside."
+        "Effects count as named where they stand first, all strengths together, groups aside."
     )
     header = (
         "",
