@@ -77,6 +77,18 @@ def test_a_delay_keeps_the_amplitude_and_a_lag_loses_it() -> None:
     assert lag["sensor_lag"].agrees
 
 
+def test_the_loss_decides_nothing_where_being_late_explains_little() -> None:
+    """A refit that takes part of a delay for hysteresis narrows the fast part of the motion."""
+    voltage = multisine()
+    x = motion(voltage)
+    delayed = np.concatenate([np.full(3, x[0]), x[:-3]])
+    slow = lfilter([0.06], [1.0, -0.94], x - x[0]) + x[0]
+    found = said(planted(voltage, 0.65 * slow + 0.35 * delayed - x))
+    assert "loses 0.6" in found["transport_delay"].statement
+    assert found["transport_delay"].agrees
+    assert found["sensor_lag"].agrees
+
+
 def test_broad_motion_without_lateness_contradicts_delay_and_lag() -> None:
     voltage = multisine()
     found = said(planted(voltage, 2e-7 * np.sin(motion(voltage) / 2e-6)))

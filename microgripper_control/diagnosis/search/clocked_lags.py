@@ -42,7 +42,7 @@ def on_the_sensors_clock(pool: Pool, jobs: int = -1) -> Pool:
         for trial in best
         if _clocked(trial, pool.evidence) and can_be_late(trial.model, period)
     ]
-    if pool.nominal.model.clock > 0.0 or not lags or not pool.leaves_more(best[0]):
+    if pool.nominal.model.clock > 0.0 or not lags or not pool.leaves_a_rest(best[0]):
         return pool
     if lags[0].both > NO_CAUSE * best[0].both:
         return pool
