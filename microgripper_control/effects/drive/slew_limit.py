@@ -1,16 +1,18 @@
 """Bounded rate of the drive voltage: the amplifier's current limit into the stack's capacitance.
 
-    u_s' follows u as fast as it may,        -1 / fall <= e^(growth u_s) u_s' <= 1 / rise
+    q' = (q(u) - q) / (knee time),           -1 / fall <= q' <= 1 / rise,     u_s = u(q)
     rise = time (1 + asymmetry),             fall = time (1 - asymmetry)
 
 A time per volt is C / i_max: the effect vanishes at zero. A ferroelectric's capacitance grows with
-the voltage; the limit is one of charge, q = (e^(growth u) - 1) / growth. Recordings that are fast
+the voltage; the limit is one of charge, q(u) = (e^(growth u) - 1) / growth, in V. An amplifier that
+is less than about `knee` behind regulates and gives less than all its current; at zero it follows
+as fast as it may. Recordings that are fast
 one way only say nothing about the other; the same limit is then assumed both ways. The link stands
 behind the saturation, so that no charge is owed for a command beyond the range, and before the lag
 of the output.
 
 Behind held input, and behind straight input at growth 0, the voltage at the end of a step is exact,
-a change of pace inside it included; else the charge is taken as straight within a step. What leaves
+changes of pace inside it included; else the charge is taken as straight within a step. What leaves
 is taken as straight in between; boundaries ever farther from a jump keep the corner sharp at any
 slew rate, down to where the effect vanishes.
 """
@@ -52,29 +54,49 @@ def bends(values: Values, sample_period: float) -> set[float]:
 
 
 @compiled
+def late_after(late: float, run: float, up: float, down: float, lag: float) -> float:
+    """By how much the output is behind at the end of a step; `late` at its begin, all in V.
+
+    The input changes by `run`, the output by `up` or `down` at most. Within what is regulated, with
+    a time constant of `lag` steps, it follows exponentially; beyond, it goes at full rate.
+    """
+    top, bottom = (up * lag, -down * lag) if lag > 0.0 else (0.0, 0.0)
+    left = 1.0
+    while True:
+        rising = late > top or (late == top and run > up)
+        falling = late < bottom or (late == bottom and run < -down)
+        if not (rising or falling):
+            if lag == 0.0:
+                return 0.0
+            goal = run * lag
+            end = goal + (late - goal) * math.exp(-left / lag)
+            if bottom <= goal <= top or bottom <= end <= top:
+                return end
+            bound = top if goal > top else bottom
+            left -= lag * math.log((late - goal) / (bound - goal))
+        else:
+            bound, pace = (top, up) if rising else (bottom, -down)
+            until = (bound - late) / (run - pace) if run != pace else math.inf
+            if late == bound or not 0.0 <= until < left:
+                return late + (run - pace) * left
+            left -= until
+        late = bound
+
+
+@compiled
 def kernel(coefficients: Array, state: Array, bus: Array) -> None:
     """State: charge of output and input so far, over the capacitance at 0 V, in V.
 
-    Rows: charge up and down in a step, whether the input is held, and the growth.
+    Rows: charge up and down in a step, whether the input is held, the growth, and the time constant
+    of the regulation in steps.
     """
     y, old = state[0], state[1]
     steps, row = coefficients.shape[0], 0
     for j in range(bus.shape[1]):
-        up, down = coefficients[row, 0], coefficients[row, 1]
-        growth = coefficients[row, 3]
+        up, down, held, growth, lag = coefficients[row]
         new = grown(bus[VOLTAGE, j], growth)
-        begin = new if coefficients[row, 2] == 1.0 else old
-        run = new - begin
-        # First y makes for the input at full rate; where they meet, it follows as far as it may.
-        late = begin - y
-        pace = up if late > 0.0 else -down
-        met = 0.0 if late == 0.0 else late / (pace - run)  # share of the step; < 0 if never
-        if 0.0 <= met < 1.0:
-            y = begin + run * met
-            left = 1.0 - met
-            y = min(max(new, y - down * left), y + up * left)
-        else:
-            y += pace
+        begin = new if held == 1.0 else old
+        y = new - late_after(begin - y, new - begin, up, down, lag)
         old = new
         bus[VOLTAGE, j] = before_growth(y, growth)
         row = row + 1 if row + 1 < steps else 0
@@ -86,7 +108,7 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     growth = values["growth"]
     rows = [
         [step / way if way > 0.0 else math.inf for way in _both_ways(values)]
-        + [float(not timing.ramped), growth]
+        + [float(not timing.ramped), growth, values["knee"] * values["time"] / step]
         for step in timing.steps
     ]
     state = np.full(2, grown(float(levels[VOLTAGE]), growth))
@@ -124,6 +146,7 @@ LINK = Link(
         Parameter("time", "s/V", 4e-5, 0.0, 1.0, "shortest time per volt, mean of both ways", 0.0),
         Parameter("asymmetry", "1", 0.0, -1.0, 1.0, "1: only rises are limited, -1: only falls"),
         Parameter("growth", "1/V", 0.0, -0.02, 0.02, "of the capacitance with the voltage"),
+        Parameter("knee", "V", 0.0, 0.0, 2.0, "behind the command: from here on at full current"),
     ),
     prepare=prepare,
     kernel=kernel,

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import product
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from microgripper_control.core.signals import Array
 from microgripper_control.effects.base import Scales
-from microgripper_control.effects.drive.slew_limit import starts
+from microgripper_control.effects.drive.slew_limit import late_after, starts
 from microgripper_control.effects.registry import link_named
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.simulate import simulate
@@ -53,6 +55,29 @@ def test_any_input_is_followed_as_fast_as_allowed(
     assert np.std(out - signal) > 0.3  # it did limit
 
 
+@pytest.mark.parametrize("lag", [0.03, 0.4, 7.0])
+def test_a_regulated_output_is_that_of_its_equation(lag: float) -> None:
+    """Late, in V; limits and slope in V a step: against `solve_ivp`, whatever is limited."""
+    random = np.random.default_rng(4)
+    up, down = 1.7, 0.6
+    for late, run in random.normal(scale=(3.0, 2.0), size=(40, 2)):
+        start = late * (lag if random.random() < 0.5 else 1.0)  # regulated, or beyond it
+
+        def change(_: float, e: Array, run: float = run) -> Array:
+            return run - np.clip(e / lag, -down, up)
+
+        found = solve_ivp(change, (0.0, 1.0), [start], rtol=1e-9, atol=1e-11, max_step=0.02)
+        assert late_after(start, run, up, down, lag) == pytest.approx(found.y[0, -1], abs=1e-6)
+
+
+def test_a_soft_knee_settles_exponentially(alone: Alone) -> None:
+    """50 V at 5000 V/s until 2 V are left; from then on with a time constant of 0.4 ms."""
+    t = np.cumsum(np.resize(STEPS, 80))
+    settling = 50.0 - 2.0 * np.exp(-(t - 48.0 * RISE) / (2.0 * RISE))
+    out = alone("slew_limit", {"time": RISE, "knee": 2.0}, np.full(80, 50.0), STEPS)
+    np.testing.assert_allclose(out, np.where(t < 48.0 * RISE, t / RISE, settling), rtol=1e-12)
+
+
 @pytest.mark.parametrize("growth", [0.006, -0.004])
 def test_a_capacitance_that_grows_slows_what_is_high(alone: Alone, growth: float) -> None:
     """i = C0 e^(growth u) du/dt: a closed form upwards and, from 100 V, down."""
@@ -92,18 +117,22 @@ def test_the_corner_is_drawn_finely_enough(
     slow: Model, lively: Array, finely: Callable[[Model, Array, float], Array]
 ) -> None:
     absent = simulate(slow, lively, 1e-3)
-    for limit in (1e-6, 1e-5, 4e-5, 2e-4):
-        model = slow.with_link("slew_limit", time=limit)
+    for limit, knee in product((1e-6, 1e-5, 4e-5, 2e-4), (0.0, 1.5)):
+        model = slow.with_link("slew_limit", time=limit, knee=knee)
         expected = finely(model, lively, 1e-3)
         error = np.linalg.norm(simulate(model, lively, 1e-3) - expected)
         assert error < 0.03 * np.linalg.norm(absent - expected)
 
 
-@pytest.mark.parametrize("further", [{}, {"growth": (4e-3, 1e-3)}])
+@pytest.mark.parametrize(
+    ("further", "sure"),
+    [({}, 0.003), ({"growth": (4e-3, 1e-3)}, 0.01), ({"knee": (0.8, 0.1)}, 0.1)],
+)
 def test_a_planted_limit_is_found(
     paper: Model,
     lively: Array,
     further: dict[str, tuple[float, float]],
+    sure: float,
     recover: Callable[..., tuple[Array, Array]],
 ) -> None:
     planted = {"time": (8e-5, 6e-5), "asymmetry": (-0.3, 0.1)} | further
@@ -113,7 +142,7 @@ def test_a_planted_limit_is_found(
     found, errors = recover(rig, "slew_limit", start, lively, 1e-3)
     values = np.array([*truth.values()])
     assert np.all(np.abs(found - values) < 4.0 * errors)
-    assert np.all(errors < (0.01 if further else 0.003) * np.abs(values))
+    assert np.all(errors < sure * np.abs(values))
 
 
 def test_limits_that_only_round_a_jump_are_guessed_as_well() -> None:
@@ -137,7 +166,7 @@ def test_limits_that_only_round_a_jump_are_guessed_as_well() -> None:
 def test_it_says_what_is_limited(paper: Model, asymmetry: float, growth: float, told: str) -> None:
     scales = Scales(1e-3, 10.0, (0.0, 150.0), 2e4, (0.0, 1e-4), 5e7, 0.0038)
     link = link_named("slew_limit")
-    values = {"time": 1e-4, "asymmetry": asymmetry, "growth": growth}
+    values = {"time": 1e-4, "asymmetry": asymmetry, "growth": growth, "knee": 0.0}
     assert link.says is not None
     said = link.says(paper.with_link("slew_limit", **values).values("slew_limit"), scales)
     assert said == f"the amplifier is short of current: {told}"
