@@ -63,7 +63,7 @@ def turn_back(prepared: Prepared, duration: float) -> None:
     prepared.state[1] = math.fmod(prepared.state[1] + duration, clock)
 
 
-def says_clock(values: Mapping[str, float]) -> str:
-    """The end of a sentence on a link with such a clock, empty without one."""
+def says_clock(values: Mapping[str, float]) -> list[str]:
+    """The last of the clauses on a link with such a clock, none without one."""
     clock = values["clock"]
-    return f", and it is read anew every {quantity(clock, 's')}" if clock > 0.0 else ""
+    return [f"it is read anew every {quantity(clock, 's')}"] if clock > 0.0 else []

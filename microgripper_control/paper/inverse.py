@@ -133,8 +133,9 @@ class InverseResult:
                 [(name, *(f"{v[key]:.4f}" for key in NAMES)) for name, v in values.items()],
                 "From exact samples the inverse has the forward model's parameters but for the "
                 "first turn, where the displacement does not tell the voltage (section 3). The "
-                "sensor's resolution alone moves them as far, and to the same side, as Table 2 "
-                "stands from Table 1: its steps are taken for travel.",
+                "sensor's resolution alone moves them to the same side as Table 2 stands from "
+                "Table 1, and with its zero where it is assumed as far: its steps are taken for "
+                "travel.",
             ),
             self._error_table(),
         ]

@@ -58,7 +58,7 @@ def found_slips(
         "Section 4 divides a force on the flexure's sides by a displacement of its head, at right "
         "angles to it. That is not the stiffness that the stack works against, as (4) uses it.",
         "Table 2 differs from Table 1 about as much as the 1 µm resolution of the sensor alone "
-        "makes the inverse model's parameters differ (here "
+        "can make the inverse model's parameters differ (here, with the sensor's zero on its grid, "
         + ", ".join(f"{name} {inverse.paper.values[name]:.4f}" for name in printed.TABLE_2)
         + "). It need not say anything of the actuator.",
     ]

@@ -93,10 +93,9 @@ def behind(values: Values) -> float:
 
 
 def says(values: Values, scales: Scales) -> str:
-    return (
-        f"the rig answers late: there is a delay of {quantity(values['delay'], 's')}"
-        + says_clock(values)
-    )
+    delay = values["delay"]
+    clauses = [f"there is a delay of {quantity(delay, 's')}"] if delay > 0.0 else []
+    return f"the rig answers late: {', and '.join([*clauses, *says_clock(values)])}"
 
 
 LINK = Link(

@@ -31,7 +31,7 @@ import numpy as np
 from microgripper_control.core.compiled import compiled
 from microgripper_control.core.exponential import grown
 from microgripper_control.core.parameters import Parameter
-from microgripper_control.core.quantities import percent, quantity
+from microgripper_control.core.quantities import number, percent, quantity
 from microgripper_control.core.signals import FREE, HYSTERESIS, VOLTAGE, Array, Timing
 from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
 from microgripper_control.effects.widening_plays import PLAYS, at_rest, move_plays
@@ -178,8 +178,13 @@ def idle(values: Values) -> Collection[str]:
 
 
 def says(values: Values, scales: Scales) -> str:
-    plays = values["slope"] != 0.0
-    strength, late = values["growth" if plays else "strength"], values["late"]
+    if values["slope"] != 0.0:
+        way = "widen" if values["growth"] >= 0.0 else "narrow"
+        return (
+            f"the hysteresis depends on the rate: plays of up to {number(values['widest'])} V, a "
+            f"part of the loop, {way} by {percent(abs(values['growth']))} per decade of rate"
+        )
+    strength, late = values["strength"], values["late"]
     if abs(late) > abs(strength):
         way, share = "narrows" if late >= 0.0 else "widens", percent(abs(late))
         change = f"{share} where the voltage changes within {quantity(values['memory'], 's', 1)}"

@@ -18,6 +18,8 @@ from microgripper_control.core.quantities import percent
 from microgripper_control.core.signals import Array
 from microgripper_control.effects.base import Force, Link, Scales, Stage, Values
 
+BOTH = 0.25  # of the larger change of stiffness: a smaller one the other way is told as well
+
 
 def law(
     c: Array, before: Array, after: Array, x0: float, x1: float, v: float, step: float
@@ -60,9 +62,14 @@ def says(values: Values, scales: Scales) -> str:
     force = np.array([-law(c, none, none, at, at, 0.0, 0.0) for at in x])
     change = np.gradient(force, x, edge_order=2) / scales.stiffness
     change -= change[int(np.argmin(np.abs(x)))]
-    most = float(change[int(np.argmax(np.abs(change)))])
-    way = "stiffens" if most >= 0.0 else "softens"
-    return f"the flexure {way} by {percent(abs(most))} over the stroke"
+    softer, stiffer = -float(change.min()), float(change.max())  # than at rest; neither below 0
+    if min(softer, stiffer) > BOTH * max(softer, stiffer):
+        return (
+            f"the flexure stiffens by {percent(stiffer)} in one part of the stroke and softens by "
+            f"{percent(softer)} in another"
+        )
+    way = "stiffens" if stiffer >= softer else "softens"
+    return f"the flexure {way} by {percent(max(softer, stiffer))} over the stroke"
 
 
 LINK = Link(

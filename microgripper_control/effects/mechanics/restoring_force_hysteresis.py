@@ -24,6 +24,7 @@ from microgripper_control.effects.memory_of_the_way import RELEASED, released, u
 from microgripper_control.effects.slipping_springs import SPRINGS, pull, springs
 
 ELASTIC = 8.0  # |gamma| over beta: beyond it hardly anything is lost in a loop
+FORGOTTEN = 3.0  # lengths over which 1 / e is left: after them a turn is forgotten
 TINY = 1e-30
 
 
@@ -114,12 +115,24 @@ def memory(values: Values) -> float:
 
 
 def says(values: Values, scales: Scales) -> str:
-    share = percent(values["alpha"] / scales.stiffness)
-    text = f"the restoring force has hysteresis: after each reversal it is {share} stiffer"
-    forgotten = memory(values)
-    if values["alpha"] == 0.0 or math.isinf(forgotten):
-        return text
-    return f"{text}, until the finger has moved about {quantity(forgotten, 'm')}"
+    """Of a turn from where z no longer changes, if the stroke is long enough for that.
+
+    There |z|^n = alpha / (beta + gamma): on the way back z changes by alpha + (beta - gamma) |z|^n
+    a metre, and with n = 1 goes to its other end as e^-(beta + gamma) |x|.
+    """
+    bending = values["alpha"] * (1.0 - values["distributed"])
+    forgetting = values["beta"] + values["gamma"]
+    slipping, ends = values["alpha"] - bending, bending > 0.0 and forgetting > 0.0
+    bent = FORGOTTEN * (bending / forgetting) ** (1.0 / values["n"]) / bending if ends else 0.0
+    way = max(bent, 2.0 * values["widest"] if slipping > 0.0 else 0.0)
+    if values["alpha"] == 0.0 or (bending > 0.0 and not ends) or way > scales.stroke:
+        return "the restoring force has hysteresis: it remembers where the finger has been"
+    stiffer = slipping + (2.0 * bending * values["beta"] / forgetting if ends else 0.0)
+    return (
+        "the restoring force has hysteresis: after each reversal it is "
+        f"{percent(stiffer / scales.stiffness)} stiffer, until the finger has moved about "
+        f"{quantity(way, 'm')}"
+    )
 
 
 def unusual(values: Values, scales: Scales) -> float:

@@ -109,8 +109,15 @@ def starts(scales: Scales) -> Sequence[Values]:
     for line in (50.0, 60.0):
         highest = 0.5 / scales.sample_period / line
         beside = (0.0,) if highest > FOLDING else (0.0, *BESIDE)
-        found += [{"frequency": line + away} for away in beside if highest > 1.0]
+        found += [{"frequency": line + away} for away in beside if _is_clear(line + away, scales)]
     return found
+
+
+def _is_clear(frequency: float, scales: Scales) -> bool:
+    """Whether its line, folded by the sampling, lies clear of zero and of half the rate."""
+    cycles = frequency * scales.sample_period
+    line = abs(cycles - round(cycles))
+    return min(line, 0.5 - line) / scales.sample_period > 0.5 * CLEAR / scales.duration
 
 
 def says(values: Values, scales: Scales) -> str:

@@ -156,7 +156,8 @@ def says(values: Values, scales: Scales) -> str:
     shown = [
         f"{how} {quantity(time, 's')}{more}" for how, time, more in parts if time > SHOWN * longest
     ]
-    return f"the sensor lags: it {' and '.join(shown)}{says_clock(values)}"
+    clauses = [f"it {' and '.join(shown)}"] if shown else []
+    return f"the sensor lags: {', and '.join([*clauses, *says_clock(values)])}"
 
 
 LINK = Link(

@@ -279,9 +279,18 @@ def test_a_planted_slip_is_found(
 def test_it_says_how_far_it_remembers() -> None:
     says = link_named(LINK).says
     assert says is not None
-    values = {"alpha": 2e6, "beta": 1e5, "gamma": 2e4, "n": 1.0, "widest": 1e-5}
-    assert says(values | {"distributed": 0.0}, SCALES).endswith("moved about 8.3 µm")
-    assert says(values | {"distributed": 1.0}, SCALES).endswith("moved about 20 µm")
+    values = {"alpha": 2e6, "beta": 5e5, "gamma": -3e5, "n": 1.0, "widest": 1e-5}
+    slipping = says(values | {"distributed": 1.0}, SCALES)
+    assert slipping.endswith("4.0 % stiffer, until the finger has moved about 20 µm")
+    bending = says(values | {"distributed": 0.0}, SCALES)
+    assert bending.endswith("20 % stiffer, until the finger has moved about 15 µm")
+    saturated = advance(0.0, 1e-3, 2e6, 5e5, -3e5, 1.0)
+    just_back = advance(saturated, -1e-9, 2e6, 5e5, -3e5, 1.0)
+    assert (saturated - just_back) / 1e-9 == pytest.approx(0.2 * SCALES.stiffness, rel=0.01)
+    forgotten = advance(saturated, -15e-6, 2e6, 5e5, -3e5, 1.0)
+    assert abs(forgotten + saturated) < 0.1 * 2.0 * saturated
+    longer = says(values | {"distributed": 0.0, "gamma": -4e5}, SCALES)
+    assert longer.endswith("it remembers where the finger has been")
 
 
 @pytest.mark.parametrize("rest", [60.0, 10.0])

@@ -59,6 +59,23 @@ def test_drag_and_hardening_against_an_integrator(
     assert np.std(found - exact.y[0]) < 0.02 * np.std(linear - exact.y[0])
 
 
+@pytest.mark.parametrize("further", [{"drag": 1e4}, {"hardening": 2e8}])
+@pytest.mark.parametrize("frequency", [120.0, 350.0, 450.0])
+def test_drag_and_hardening_do_not_depend_on_the_sampling(
+    paper: Model,
+    lively: Array,
+    finely: Callable[[Model, Array, float], Array],
+    frequency: float,
+    further: dict[str, float],
+) -> None:
+    mode = {"share": 0.2, "frequency": frequency, "damping": 0.02}
+    model = paper.with_link("extra_resonance", **mode, **further)
+    exact = finely(model, lively, 1e-3)
+    without = simulate(paper.with_link("extra_resonance", **mode), lively, 1e-3)
+    error = np.linalg.norm(simulate(model, lively, 1e-3) - exact)
+    assert error < 0.05 * np.linalg.norm(without - exact)
+
+
 @every_share
 @pytest.mark.parametrize("frequency", [60.0, 350.0, 800.0])
 @pytest.mark.parametrize("rig", ["paper", "slow"])
