@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import resource
+import signal
 import subprocess
 import sys
 import time
@@ -16,7 +17,9 @@ from microgripper_control.core.files import make_folder
 from microgripper_control.validation.case_files import JOB
 
 ANSWERED, FAILED, LATE, UNMADE = "answered", "failed", "too late", "not made"
-LIMIT = 300.0  # s, for one diagnosis
+LIMIT = 300  # s of processor time, for one diagnosis: beside other work it is not less
+PATIENCE = 10  # times that by the clock, for a process that waits or that hardly gets a turn
+LIMITED = 'ulimit -c 0; ulimit -S -t "$0"; exec "$@"'  # SIGXCPU ends what has used so many seconds
 LAST_WORDS = 300  # characters of an error message that are kept
 
 
@@ -34,14 +37,16 @@ class Asked:
     diagnosis: dict[str, Any] | None = None
 
 
-def ask(case: Path, answer: Path, withheld: tuple[str, ...] = (), limit: float = LIMIT) -> Asked:
+def ask(case: Path, answer: Path, withheld: tuple[str, ...] = (), limit: int = LIMIT) -> Asked:
     """Run `microgripper diagnose` on the recordings in the folder `case`, writing into `answer`.
 
     `withheld` are effects to be left out of its library. An error, and no answer within `limit`
-    seconds, are outcomes, too.
+    seconds of processor time, are outcomes, too. The limit is one process's: with one job there is
+    no other.
     """
     job = json.loads((case / JOB).read_text(encoding="utf-8"))
     words = [
+        *("/bin/sh", "-c", LIMITED, str(limit)),
         *(sys.executable, "-m", "microgripper_control", "diagnose"),
         *job["recordings"],
         *("--heldout", *job["heldout"], "--model", job["model"], "--hold", job["hold"]),
@@ -57,14 +62,17 @@ def ask(case: Path, answer: Path, withheld: tuple[str, ...] = (), limit: float =
             stdin=subprocess.DEVNULL,
             capture_output=True,
             text=True,
-            timeout=limit,
+            timeout=PATIENCE * limit,
             start_new_session=True,  # Ctrl-C stops the examination, not an answer half way
             check=False,
         )
     except subprocess.TimeoutExpired:
         spent = time.perf_counter() - begun
-        return Asked(LATE, spent, _busy() - busy, f"no answer within {limit:g} s")
+        why = f"no answer within {PATIENCE * limit} s by the clock"
+        return Asked(LATE, spent, _busy() - busy, why)
     seconds, busy = time.perf_counter() - begun, _busy() - busy
+    if ran.returncode == -signal.SIGXCPU:
+        return Asked(LATE, seconds, busy, f"no answer within {limit} s of a processor")
     found = answer / "diagnosis.json"
     if ran.returncode != 0 or not found.exists():
         last = ran.stderr.strip().rsplit("\n", 1)[-1][:LAST_WORDS]

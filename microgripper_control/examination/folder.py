@@ -2,7 +2,7 @@
 
     DIR/cases/case_017/      what the diagnosing process is given
     DIR/answers/case_017/    what it wrote
-    DIR/sealed/              the plan, and the truth of each case
+    DIR/sealed/              the plan, which code it is of, and the truth of each case
     DIR/results/             what came of each case, one file each
 
 A case with a result is done: an examination that was stopped goes on with the others.
@@ -19,6 +19,7 @@ from typing import Any
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.files import make_folder, written_whole
 from microgripper_control.examination.plan import Planned
+from microgripper_control.examination.sources import sources
 
 PLAN_SCHEMA = "microgripper-examination/1"
 
@@ -50,17 +51,25 @@ class Folder:
         return read_json(self.seal(planned))
 
     def begin(self, planned: Sequence[Planned]) -> None:
-        """Keep the plan, or find that it is the one that is kept here.
+        """Keep the plan and which code it is of, or find that they are those that are kept here.
 
-        MicrogripperError if the folder holds another examination.
+        MicrogripperError if the folder holds another examination, or one of other code.
         """
-        content = {"schema": PLAN_SCHEMA, "cases": [one.plain() for one in planned]}
+        cases = [one.plain() for one in planned]
+        content = {"schema": PLAN_SCHEMA, "code": sources(), "cases": cases}
         path = self.root / "sealed" / "plan.json"
         if path.exists():
-            if read_json(path) != content:
+            kept = read_json(path)
+            if kept.get("cases") != cases:
                 raise MicrogripperError(
                     f"--out {self.root}: holds another examination (another --seed or --quick); "
                     "give another folder or remove this one"
+                )
+            if kept != content:
+                raise MicrogripperError(
+                    f"--out {self.root}: was begun by other code (sources "
+                    f"{kept.get('code', 'unknown')}, these are {sources()}), whose results must "
+                    "not be mixed; give another folder or go on with the old version"
                 )
             return
         make_folder(path.parent)

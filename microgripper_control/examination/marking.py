@@ -6,7 +6,7 @@ oracles of all of them agree within the noise; then any of them may stand first.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -85,12 +85,21 @@ class Marked:
         return agree(self.record.rivals.get(self.said)) and probability_of(self.diagnosis) < HALF
 
     @property
-    def groups(self) -> list[bool]:
-        """Of each group that the cause is in: whether the oracles of all its members agree."""
+    def groups(self) -> list[bool | None]:
+        """Of each group that the cause is in: whether the oracles of all its members agree.
+
+        None where members were not asked, and those that were agree.
+        """
         if self.diagnosis is None or len(self.sealed.seen) != 1:
             return []
         groups = groups_with(self.diagnosis, self.sealed.seen[0].effect)
-        return [all(agree(self.record.rivals.get(name)) for name in group) for group in groups]
+        return [self._agrees(group) for group in groups]
+
+    def _agrees(self, group: Sequence[str]) -> bool | None:
+        rivals = self.record.rivals
+        if not all(agree(rivals[name]) for name in group if name in rivals):
+            return False
+        return True if rivals.keys() >= set(group) else None
 
 
 def probability_of(diagnosis: Mapping[str, Any]) -> float:
@@ -140,10 +149,7 @@ def _said(record: Record) -> str:
 
 
 def _right_with_groups(marked: Marked) -> bool:
-    groups = marked.groups
-    if not groups:
-        return bool(marked.first)
-    if not all(groups) or marked.diagnosis is None:
+    if False in marked.groups or marked.diagnosis is None:
         return False
     cause = marked.sealed.seen[0].effect
     return bool(marked.first) or any(

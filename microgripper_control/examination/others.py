@@ -31,7 +31,7 @@ def methods(cases: Sequence[Marked]) -> tuple[Method, ...]:
     return (_method(DIAGNOSIS, cases, _own), *(_other(name, cases) for name in METHODS))
 
 
-Said = tuple[str | None, str | None, float | None]  # answer, stage, s
+Said = tuple[str | None, str | None, float | None]  # answer (None: there is none), stage, s
 
 
 def _own(case: Marked) -> Said:
@@ -39,7 +39,8 @@ def _own(case: Marked) -> Said:
     if case.diagnosis is not None and case.diagnosis["verdict"] in (EFFECTS, UNKNOWN):
         stages = case.diagnosis["stages"]
         stage = max(stages, key=lambda name: stages[name])
-    return case.said, stage, case.record.seconds.get("diagnosing")
+    said = None if case.diagnosis is None else case.said
+    return said, stage, case.record.seconds.get("diagnosing")
 
 
 def _other(name: str, cases: Sequence[Marked]) -> Method:
@@ -67,6 +68,7 @@ def _method(name: str, cases: Sequence[Marked], said: Callable[[Marked], Said]) 
     )
 
 
-def _claims(said: Said) -> bool:
+def _claims(said: Said) -> bool | None:
+    """Whether an effect, or an unknown cause, is claimed; None where there is no answer."""
     answer, stage, _ = said
-    return stage is not None or answer == UNKNOWN
+    return None if answer is None else stage is not None or answer == UNKNOWN

@@ -10,6 +10,8 @@ from microgripper_control.examination.sealed import Span
 from microgripper_control.examination.shares import Share
 
 OVERLAP = 0.5  # of the shorter of two ranges that are the same place
+LONGEST = 2.0  # of a claimed range, in true ones
+WIDEST = 0.2  # the same, of how far from zero the true one reaches: a hum has 1 Hz and looks wider
 
 
 @dataclass(frozen=True)
@@ -25,13 +27,18 @@ class Places:
     elsewhere: int
 
 
-def same(one: Span, other: Span) -> bool:
-    """Whether two ranges lie on one axis and share half of the shorter one."""
-    if one.axis != other.axis:
+def same(claimed: Span, true: Span) -> bool:
+    """Whether a claimed range tells where the true one is: they share half of the shorter.
+
+    It must be on the same axis, and no longer than twice the true one or than a fifth of how far
+    from zero that reaches.
+    """
+    if claimed.axis != true.axis:
         return False
-    shared = min(one.high, other.high) - max(one.low, other.low)
-    shorter = min(one.high - one.low, other.high - other.low)
-    return shared >= OVERLAP * shorter
+    shared = min(claimed.high, true.high) - max(claimed.low, true.low)
+    length, wanted = claimed.high - claimed.low, true.high - true.low
+    longest = max(LONGEST * wanted, WIDEST * max(abs(true.low), abs(true.high)))
+    return length <= longest and shared >= OVERLAP * min(length, wanted)
 
 
 def places(cases: Iterable[Marked]) -> Places:

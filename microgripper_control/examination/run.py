@@ -31,15 +31,15 @@ def run(
     planned: Sequence[Planned],
     progress: OnProgress,
     jobs: int = -1,
-    limit: float = LIMIT,
+    limit: int = LIMIT,
     asked: Sequence[Planned] | None = None,
 ) -> list[Record]:
     """Do the cases that have no result yet, `jobs` at once; return all records in order.
 
     All that are planned, or those `asked` for; a later run may do more of them.
 
-    `limit` is the time for one diagnosis, s. On a cluster every worker must see the folder `root`.
-    MicrogripperError if it holds another examination.
+    `limit` is the processor time for one diagnosis, s. On a cluster every worker must see the
+    folder `root`. MicrogripperError if it holds another examination, or one of other code.
     """
     folder = Folder(root.resolve())
     folder.begin(planned)
@@ -54,7 +54,7 @@ def run(
     return [Record.of(read_json(folder.result(one))) for one in asked]
 
 
-def examine(root: Path, planned: Planned, limit: float) -> None:
+def examine(root: Path, planned: Planned, limit: int) -> None:
     """Do one case and keep its result."""
     folder = Folder(root)
     begun = time.perf_counter()
@@ -76,7 +76,7 @@ def examine(root: Path, planned: Planned, limit: float) -> None:
     write_json(folder.result(planned), record.plain())
 
 
-def _asked(folder: Folder, planned: Planned, case: Case, making: float, limit: float) -> Record:
+def _asked(folder: Folder, planned: Planned, case: Case, making: float, limit: int) -> Record:
     asked = ask(folder.case(planned), folder.answer(planned), planned.withheld, limit)
     begun = time.perf_counter()
     beside = compare(folder.case(planned), planned.withheld)

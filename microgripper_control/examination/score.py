@@ -71,13 +71,14 @@ class Score:
     forms: Mapping[str, Share]
     stage: Share
     alone: Share  # right, and nothing named besides
-    groups: Share  # named with the cause in them: the oracles agree
+    groups: Share  # named with the cause in them and asked about: the oracles agree
     blanks: Mapping[str, Share]  # none and parameters told apart
     false_alarms: Share
     unseen: Share  # effects that cannot be seen: nothing else was claimed
     foreign: Mapping[str, Foreign]
     unknown: Share  # questions 2 and 3 together
     pairs: Share
+    pairs_alone: Share  # both named, and nothing besides
     pairs_first: Share
     probability: Reliability
     present: Reliability
@@ -117,7 +118,7 @@ def scored(cases: Sequence[Marked], unmade: Sequence[Record] = ()) -> Score:
         first={name: Share.among(c.first for c in own) for name, own in strength.items()},
         forms={name: _right([c for c in seen if c.sealed.form == name]) for name in FORMS},
         stage=Share.among(case.stage_right for case in seen),
-        alone=Share.among(bool(case.right) and not case.further for case in seen),
+        alone=_alone(seen),
         groups=Share.among(right for case in seen for right in case.groups),
         blanks={
             verdict: _right([case for case in blanks if case.asked == verdict])
@@ -131,6 +132,7 @@ def scored(cases: Sequence[Marked], unmade: Sequence[Record] = ()) -> Score:
         },
         unknown=_right([case for case in cases if case.plainly_unknown]),
         pairs=_right(pairs),
+        pairs_alone=_alone(pairs),
         pairs_first=Share.among(case.first for case in pairs),
         probability=reliability(answers(cases)),
         present=reliability(presences(cases)),
@@ -152,6 +154,11 @@ def _right(cases: Sequence[Marked]) -> Share:
     return Share.among(case.right for case in cases)
 
 
+def _alone(cases: Sequence[Marked]) -> Share:
+    """Right, and nothing named besides."""
+    return Share.among(bool(case.right) and not case.further for case in cases)
+
+
 def _effect(name: str, seen: Sequence[Marked]) -> Effect:
     own = [case for case in seen if case.asked == name]
     return Effect(
@@ -164,13 +171,13 @@ def _effect(name: str, seen: Sequence[Marked]) -> Effect:
 
 def _foreign(cases: Sequence[Marked]) -> Foreign:
     plain = [case for case in cases if case.plainly_unknown]
-    errors = [found for case in plain if (found := errors_of(case)) is not None]
+    closed = [errors_of(case).free_form for case in plain]
     return Foreign(
         unknown=_right(plain),
         stands_in=Share.among(case.stands_in for case in plain),
         stage=Share.among(case.stage_right for case in plain),
         places=places(plain),
-        free_form=Middle.among([found.free_form for found in errors]),
+        free_form=Middle.among([share for share in closed if share is not None]),
     )
 
 

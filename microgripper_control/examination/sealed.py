@@ -42,6 +42,7 @@ class Sealed:
     causes: tuple[Cause, ...]
     ratio: float
     noise: float
+    nominal: float
     refit: float
     oracle: float
 
@@ -68,6 +69,7 @@ class Sealed:
             causes=causes,
             ratio=plain["ratio"],
             noise=plain["noise_m"],
+            nominal=errors["nominal"]["heldout"],
             refit=errors["refit"]["heldout"],
             oracle=errors["oracle"]["heldout"],
         )

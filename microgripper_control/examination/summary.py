@@ -13,6 +13,7 @@ from microgripper_control.examination.plan import Extent
 from microgripper_control.examination.score import Effect, Foreign, Score
 from microgripper_control.examination.shares import Middle, Share
 from microgripper_control.examination.shrinking import errors_of
+from microgripper_control.examination.sources import sources
 from microgripper_control.examination.targets import Target, targets
 
 SCHEMA = "microgripper-validation/1"
@@ -22,6 +23,7 @@ def as_json(score: Score, extent: Extent) -> dict[str, Any]:
     """The score for other programs, SI units throughout; what cannot be told is null."""
     return {
         "schema": SCHEMA,
+        "code": sources(),
         **asdict(extent),
         "seed_used_in_development": extent.used,
         "cases_done": len(score.cases),
@@ -38,6 +40,7 @@ def as_json(score: Score, extent: Extent) -> dict[str, Any]:
         "unknown": _share(score.unknown),
         "foreign": {name: _foreign(foreign) for name, foreign in score.foreign.items()},
         "pairs_both_named": _share(score.pairs),
+        "pairs_both_and_nothing_besides": _share(score.pairs_alone),
         "pairs_one_of_them_first": _share(score.pairs_first),
         "calibration": {
             "probability": _reliability(score.probability),
@@ -78,7 +81,6 @@ def as_json(score: Score, extent: Extent) -> dict[str, Any]:
 
 
 def _case(case: Marked) -> dict[str, Any]:
-    errors = errors_of(case)
     return {
         **case.record.planned.plain(),
         "name": case.record.planned.name,
@@ -91,7 +93,7 @@ def _case(case: Marked) -> dict[str, Any]:
         "stage_right": case.stage_right,
         "outcome": case.record.outcome,
         "seconds": dict(case.record.seconds),
-        "errors": asdict(errors) if errors else None,
+        "errors": asdict(errors_of(case)),
         "rivals": dict(case.record.rivals),
         "beside": {name: asdict(one) for name, one in case.record.beside.items()},
     }

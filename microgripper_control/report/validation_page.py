@@ -121,6 +121,7 @@ def _named(page: Page, score: Score, folder: Path) -> None:
         _row("right, and nothing named besides", score.alone),
         _row("groups named whose oracles agree", score.groups),
         _row("two at once: both named", score.pairs),
+        _row("two at once: both, and nothing besides", score.pairs_alone),
         _row("two at once: one of them first", score.pairs_first),
         _row("nothing wrong: “none” said", score.blanks["none"]),
         _row("mistuned only: “parameters” said", score.blanks["parameters"]),
@@ -179,7 +180,8 @@ def _gap(page: Page, score: Score, folder: Path) -> None:
     page.heading("How far the gap shrinks, and what one would do instead")
     page.paragraph(
         "On the same recordings and the same held-out samples: refitting every candidate (from one "
-        "first guess, ten evaluations) and taking the smallest BIC; sparse regression of what the "
+        "first guess, with the library's prior and plausible ranges) and taking the smallest BIC; "
+        "sparse regression of what the "
         "refit leaves (sequentially thresholded least squares, as in pysindy) on terms that each "
         "stand for an effect; a Gaussian process on the past of the voltage, which names nothing. "
         "Effects count as named where they stand first, all strengths together, groups aside."
@@ -229,8 +231,8 @@ def _gap(page: Page, score: Score, folder: Path) -> None:
 def _where(page: Page, score: Score) -> None:
     page.heading("Does it point to the right place?")
     page.paragraph(
-        "Ranges reported against the rig's own: the same axis, and half of the shorter range in "
-        "common. Ranges on axes of which the truth says nothing are counted apart."
+        "Ranges reported against the rig's own: the same axis, half of the shorter range in common, "
+        "and no longer than twice the rig's own or a fifth of how far from zero that reaches. Ranges on axes of which the truth says nothing are counted apart."
     )
     rows = [_places("all", score.places)]
     rows += [

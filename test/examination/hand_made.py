@@ -51,7 +51,11 @@ def truth(
         "causes": causes,
         "ratio": ratio,
         "noise_m": NOISE,
-        "errors_m": {"refit": {"heldout": ratio * NOISE}, "oracle": {"heldout": NOISE}},
+        "errors_m": {
+            "nominal": {"heldout": 2.0 * ratio * NOISE},
+            "refit": {"heldout": ratio * NOISE},
+            "oracle": {"heldout": NOISE},
+        },
     }
 
 

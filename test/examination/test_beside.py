@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import pytest
@@ -15,7 +17,7 @@ from microgripper_control.effects.registry import registry
 from microgripper_control.examination.beside import grey_box
 from microgripper_control.examination.beside.black_box import shrink
 from microgripper_control.examination.beside.compare import METHODS, compare
-from microgripper_control.examination.beside.evidence import Begun
+from microgripper_control.examination.beside.evidence import Begun, Rest
 from microgripper_control.examination.beside.sparse import TERMS, regress, stlsq
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.model import Model, nominal_model
@@ -61,6 +63,19 @@ def test_the_planted_effect_has_the_smallest_bic(
     assert worse > 1.2 * rmse
 
 
+@pytest.mark.parametrize("planted", ["backlash", "sensor_lag"])
+def test_what_converges_slowly_is_fitted_to_its_end(
+    planted: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tried = ["backlash", "creep", "friction", "sensor_lag"]
+    monkeypatch.setattr(grey_box, "candidate_names", lambda: tried)
+    begun = begun_with(nominal_model().with_link(planted))
+    answer, _, rmse = grey_box.select(begun)
+    assert begun.refit.rmse > 3.0 * NOISE
+    assert answer == planted
+    assert rmse == pytest.approx(NOISE, rel=0.05)
+
+
 def test_thresholded_least_squares_finds_the_sparse_weights() -> None:
     rng = np.random.default_rng(5)
     matrix = rng.standard_normal((500, 12)) * np.geomspace(1e-3, 1e3, 12)
@@ -94,6 +109,34 @@ def test_a_hum_is_found_by_sparse_regression() -> None:
     assert (answer, stage) == ("mains_hum", "sensor")
     assert rmse == pytest.approx(NOISE, rel=0.05)
     assert regress(same, ["mains_hum"])[0] != "mains_hum"
+
+
+@dataclass(frozen=True)
+class Left:
+    """What a refit left, as if it had been measured."""
+
+    rests: list[Rest]
+
+    def training(self) -> list[Rest]:
+        return self.rests
+
+    judging = training
+
+
+def left_by_a_square(middle: float, seed: int) -> Rest:
+    """Residuals of x^2 with a zero of their own, x about the middle, as x is scaled over 0 to 2."""
+    rng = np.random.default_rng(seed)
+    x = middle + 0.2 * rng.uniform(-1.0, 1.0, 3000)
+    left = 50e-9 * (x - 1.0) ** 2
+    run = Recording(f"run {seed}", PERIOD, 75.0 * rng.uniform(0.0, 2.0, len(x)), x)
+    return Rest(run, x, left - left.mean(), np.ones(len(x), dtype=bool))
+
+
+def test_recordings_elsewhere_on_the_stroke_have_zeros_of_their_own() -> None:
+    left = Left([left_by_a_square(middle, seed) for seed, middle in enumerate((0.2, 1.0, 1.8))])
+    answer, _, rmse = regress(cast(Begun, left))
+    assert answer == "nonlinear_stiffness"
+    assert rmse < 0.1e-9
 
 
 def test_a_black_box_shrinks_what_follows_from_the_voltage(softening: Begun) -> None:

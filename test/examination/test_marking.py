@@ -40,6 +40,15 @@ def test_a_group_nobody_can_judge_is_wrong() -> None:
     assert marked(LAG, diagnosis(LAG, groups=GROUP), rivals={"sensor_lag": None}).right is False
 
 
+def test_a_group_that_was_not_asked_about_is_left_out() -> None:
+    groups = (("creep", "backlash"), ("creep", "contact", "friction"))
+    answer = diagnosis(("creep",), groups=groups)
+    case = marked(("creep",), answer, rivals={"backlash": 2.0, "contact": 0.1})
+    assert (case.groups, case.right) == ([False, None], False)
+    case = marked(("creep",), answer, rivals={"backlash": 0.1, "contact": 2.0})
+    assert case.groups == [True, False]
+
+
 def test_oracles_that_agree_excuse_no_one_who_did_not_name_the_group() -> None:
     case = marked(LAG, diagnosis(OTHER), rivals={"sensor_lag": 0.1})
     assert case.right is False

@@ -19,6 +19,23 @@ def test_half_of_the_shorter_range_must_be_shared(low: float, high: float, expec
     assert not same(Span("voltage_V", low, high), CONTACT)
 
 
+@pytest.mark.parametrize(
+    ("claimed", "expected"),
+    [
+        (Span("frequency_Hz", 0.0, 500.0), False),
+        (Span("frequency_Hz", 45.5, 54.1), True),
+        (Span("displacement_m", 2e-6, 20e-6), False),
+        (Span("displacement_m", 12e-6, 20e-6), True),
+    ],
+)
+def test_a_claimed_range_must_not_be_much_longer(claimed: Span, expected: bool) -> None:
+    true = {
+        "frequency_Hz": Span("frequency_Hz", 49.5, 50.5),
+        "displacement_m": Span("displacement_m", 15e-6, 20e-6),
+    }
+    assert same(claimed, true[claimed.axis]) is expected
+
+
 def test_precision_counts_the_axes_of_the_truth_and_recall_the_true_ranges() -> None:
     said = (CONTACT, Span("displacement_m", 0.0, 1e-6), Span("voltage_V", 80.0, 160.0))
     cases = [

@@ -10,12 +10,21 @@ from hand_made import diagnosis
 
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.diagnosis.diagnose import candidate_names
+from microgripper_control.examination import asking
 from microgripper_control.examination import run as running
-from microgripper_control.examination.asking import ANSWERED, FAILED, LATE, UNMADE, Asked, ask
+from microgripper_control.examination.asking import (
+    ANSWERED,
+    FAILED,
+    LATE,
+    UNMADE,
+    Asked,
+    ask,
+)
 from microgripper_control.examination.beside.compare import METHODS, compare
 from microgripper_control.examination.folder import Folder
 from microgripper_control.examination.plan import Planned
 from microgripper_control.examination.score import score
+from microgripper_control.examination.sources import sources
 from microgripper_control.validation.case import make_case
 from microgripper_control.validation.case_files import write_case
 
@@ -112,6 +121,27 @@ def test_another_examination_is_not_mixed_in(tmp_path: Path, quiet: list[str]) -
         running.run(tmp_path, [blank(2)], silent, jobs=1)
 
 
+def test_results_of_other_code_are_not_mixed_in(
+    tmp_path: Path, quiet: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    running.run(tmp_path, [blank(1)], silent, jobs=1)
+    with monkeypatch.context() as edited:
+        edited.setattr("microgripper_control.examination.folder.sources", lambda: "edited")
+        with pytest.raises(MicrogripperError, match=f"--out {tmp_path}: was begun by other code"):
+            running.run(tmp_path, [blank(1)], silent, jobs=1)
+    assert len(running.run(tmp_path, [blank(1)], silent, jobs=1)) == 1
+
+
+def test_the_sources_are_told_by_a_hash(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("microgripper_control.examination.sources.PACKAGE", tmp_path)
+    (tmp_path / "room").mkdir()
+    (tmp_path / "room" / "one.py").write_text("a = 1")
+    before = sources.__wrapped__()
+    assert sources.__wrapped__() == before
+    (tmp_path / "room" / "one.py").write_text("a = 2")
+    assert sources.__wrapped__() != before
+
+
 def test_a_case_that_cannot_be_made_is_told_and_not_counted(
     tmp_path: Path, quiet: list[str]
 ) -> None:
@@ -133,9 +163,28 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_too_late_is_an_outcome(written: Path, tmp_path: Path) -> None:
-    asked = ask(written, tmp_path / "answer", limit=0.2)
+    asked = ask(written, tmp_path / "answer", limit=1)
     assert (asked.outcome, asked.diagnosis) == (LATE, None)
-    assert 0.2 <= asked.seconds < 10.0
+    assert asked.why == "no answer within 1 s of a processor"
+    assert 0.9 <= asked.busy < 2.0
+
+
+@pytest.mark.parametrize(("pause", "outcome"), [(1.5, ANSWERED), (7.0, LATE)])
+def test_waiting_for_a_processor_is_not_being_late_but_hanging_is(
+    pause: float,
+    outcome: str,
+    written: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    slow = tmp_path / "slow"  # its last word is the folder it writes into
+    last = 'for last; do :; done; echo {} > "$last/diagnosis.json"'
+    slow.write_text(f"#!/bin/sh\nsleep {pause}\n{last}\n")
+    slow.chmod(0o755)
+    monkeypatch.setattr("sys.executable", str(slow))
+    monkeypatch.setattr(asking, "PATIENCE", 4)
+    asked = ask(written, tmp_path / "answer", limit=1)
+    assert asked.outcome == outcome
 
 
 def test_a_failure_is_an_outcome_with_its_reason(written: Path, tmp_path: Path) -> None:

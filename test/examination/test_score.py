@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -12,9 +13,11 @@ from hand_made import NM, diagnosis, marked
 from microgripper_control.examination.beside.compare import METHODS
 from microgripper_control.examination.marking import Marked
 from microgripper_control.examination.plan import Extent
+from microgripper_control.examination.record import Beside
 from microgripper_control.examination.score import Score, scored
 from microgripper_control.examination.shares import Share
 from microgripper_control.examination.shrinking import DIAGNOSIS
+from microgripper_control.examination.sources import sources
 from microgripper_control.examination.summary import as_json
 from microgripper_control.examination.targets import MET, MISSED, TOO_FEW, targets
 from microgripper_control.report.validation_page import write_validation_page
@@ -48,26 +51,39 @@ def test_shares_are_those_counted_by_hand(score: Score) -> None:
     assert score.false_alarms == Share(1, 2)
     assert score.unknown == Share(1, 2)
     assert score.foreign["withheld"].unknown == Share(0, 1)
-    assert score.pairs == Share(1, 1)
+    assert score.pairs == score.pairs_alone == Share(1, 1)
     assert [name for name, *_ in score.failures] == ["case_003"]
 
 
 def test_the_gap_closed_is_of_what_the_oracle_closes(score: Score) -> None:
-    # refit 50 nm, oracle 10: e = sqrt(2400); case 2 leaves e = sqrt(600), half of it.
-    assert score.closed.of == 3
-    assert score.closed.value == pytest.approx(1.0)
+    # refit 50 nm, oracle 10: e = sqrt(2400); case 2 leaves e = sqrt(600), half of it, case 3, which
+    # has no answer, all of its gap.
+    assert score.closed.of == 4
+    assert score.closed.value == pytest.approx(0.75)
     (own, *others) = score.methods
     assert own.name == DIAGNOSIS
     assert others[0].closed.value == pytest.approx(1.0 - math.sqrt(800.0 / 2400.0))
+    assert others[0].closed.of == 4
+
+
+def test_a_method_that_failed_closes_nothing_and_gives_no_alarm(cases: list[Marked]) -> None:
+    beside = dict.fromkeys(METHODS, Beside(None, None, None, 1.0, "it failed"))
+    failed = [replace(case, record=replace(case.record, beside=beside)) for case in cases[:5]]
+    found = {method.name: method for method in scored([*failed, *cases[5:]]).methods}[METHODS[0]]
+    assert found.closed.of == 4
+    assert found.closed.low == 0.0
+    assert found.false_alarms == Share(0, 0)
+    assert found.top == Share(0, 3)
 
 
 def test_errors_shrink_from_step_to_step(score: Score) -> None:
+    # With the diagnosis 10, 26.5, 10 nm and, without an answer, the 300 of the refit; noise 10.
     middles = {name: middle.value for name, middle in score.errors.items()}
     assert middles == pytest.approx(
         {
             "nominal": 10.0,
             "refitted": 5.0,
-            "with the diagnosis": 1.0,
+            "with the diagnosis": (1.0 + math.sqrt(7.0)) / 2.0,
             "oracle": 1.0,
             "noise floor as diagnosed": 1.0,
         }
@@ -137,6 +153,8 @@ def test_json_is_complete_and_plain(score: Score) -> None:
     assert read["top_1"]["weak"]["value"] is None
     assert read["cases_done"] == len(read["cases"]) == 8
     assert read["cases"][1]["errors"]["closed"][DIAGNOSIS] == pytest.approx(0.5)
+    assert read["cases"][2]["errors"]["closed"][DIAGNOSIS] == 0.0
+    assert read["code"] == sources()
 
 
 def test_the_page_says_plainly_what_is_met(score: Score, tmp_path: Path) -> None:
@@ -161,4 +179,12 @@ def test_an_examination_of_pairs_alone_has_a_page(cases: list[Marked], tmp_path:
 def test_a_blank_without_an_answer_is_no_quiet_one(cases: list[Marked]) -> None:
     late = marked(("none",), None, number=9, ratio=1.0)
     assert late.alarmed is None
-    assert scored([*cases, late]).false_alarms.of == scored(cases).false_alarms.of
+    found, before = scored([*cases, late]), scored(cases)
+    assert found.false_alarms == before.false_alarms
+    assert found.methods[0].false_alarms == before.methods[0].false_alarms == before.false_alarms
+
+
+def test_a_pair_with_a_third_effect_is_not_right_alone() -> None:
+    said = diagnosis(("creep", "contact", "backlash"))
+    found = scored([marked(("creep", "contact"), said, "pairs")])
+    assert (found.pairs, found.pairs_alone) == (Share(1, 1), Share(0, 1))

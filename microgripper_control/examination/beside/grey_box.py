@@ -2,6 +2,9 @@
 
 BIC = n ln(SSE / n) + k ln n with n the number of fitted samples and k that of fitted values
 (Schwarz 1978), as if all samples were independent. It always names something.
+
+The candidates are the library's, and so are their first guess, the ranges that are plausible on the
+rig at hand, and the prior that keeps base parameters near the nominal ones.
 """
 
 from __future__ import annotations
@@ -19,7 +22,7 @@ from microgripper_control.diagnosis.fits.trial import Trial, fitted_keys, proble
 from microgripper_control.effects.registry import registry
 from microgripper_control.examination.beside.evidence import Begun
 
-EVALUATIONS = 10  # of one fit
+EVALUATIONS = 40  # of one fit at most; with ten a play and a lag stop half way
 TOLERANCE = 1e-5
 
 

@@ -20,7 +20,7 @@ from microgripper_control.effects.registry import registry
 from microgripper_control.effects.transmission.backlash import played
 from microgripper_control.examination.beside.evidence import Begun, Rest, rmse_without
 
-THRESHOLD = 0.1  # of the residual: a term that contributes less is dropped, as pysindy's default
+THRESHOLD = 0.1  # of the residual: a term that contributes less goes (pysindy's bounds a weight)
 ROUNDS = 20
 MAINS = (50.0, 60.0)  # Hz
 
@@ -92,7 +92,8 @@ def _play(s: Signals, width: float = 0.04) -> Array:
     return s.x - played(s.x, width)
 
 
-# Each effect's terms; a mean and a slope over u stay out: the refit has had those.
+# Each effect's terms; a mean and a slope over u stay out: the refit has had those. transport_delay
+# has none, for its first order is the lags' u' and x', nor has sensor_quantization.
 TERMS: dict[str, tuple[Term, ...]] = {
     "amplifier_lag": (lambda s: s.rate(s.u), lambda s: s.rate(s.rate(s.u))),
     "slew_limit": (lambda s: s.rate(s.u) * np.abs(s.rate(s.u)),),
@@ -120,12 +121,10 @@ def regress(begun: Begun, withheld: Sequence[str] = ()) -> tuple[str, str | None
     owners = [name for name, terms in TERMS.items() if name not in withheld for _ in terms]
     training, judging = begun.training(), begun.judging()
     frame = Frame.around(training)
-    matrix = np.concatenate([_matrix(rest, frame, withheld)[rest.counted] for rest in training])
+    matrix = np.concatenate([_centred(rest, frame, withheld) for rest in training])
     target = np.concatenate([rest.left[rest.counted] for rest in training])
-    middle = matrix.mean(axis=0)
-    matrix -= middle
     weights = stlsq(matrix, target)
-    said = [(_matrix(rest, frame, withheld) - middle) @ weights for rest in judging]
+    said = [_matrix(rest, frame, withheld) @ weights for rest in judging]
     rmse = rmse_without(judging, said)
     shares: dict[str, float] = {}
     for name, column, weight in zip(owners, matrix.T, weights, strict=True):
@@ -160,6 +159,12 @@ def _matrix(rest: Rest, frame: Frame, withheld: Sequence[str]) -> Array:
     signals = Signals.of(rest, frame)
     named = (terms for name, terms in TERMS.items() if name not in withheld)
     return np.stack([term(signals) for terms in named for term in terms], axis=1)
+
+
+def _centred(rest: Rest, frame: Frame, withheld: Sequence[str]) -> Array:
+    """The counted samples less their mean, as in what is left: a recording's zero is its own."""
+    counted = _matrix(rest, frame, withheld)[rest.counted]
+    return np.asarray(counted - counted.mean(axis=0))
 
 
 def _middle_and_half(signals: Sequence[Array]) -> tuple[float, float]:
