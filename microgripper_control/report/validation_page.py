@@ -181,9 +181,9 @@ def _gap(page: Page, score: Score, folder: Path) -> None:
     page.paragraph(
         "On the same recordings and the same held-out samples: refitting every candidate (from one "
         "first guess, with the library's prior and plausible ranges) and taking the smallest BIC; "
-        "sparse regression of what the "
-        "refit leaves (sequentially thresholded least squares, as in pysindy) on terms that each "
-        "stand for an effect; a Gaussian process on the past of the voltage, which names nothing. "
+        "sparse regression of what the refit leaves (sequentially thresholded least squares, as in "
+        "pysindy) on terms that each stand for an effect; a Gaussian process on the past of the "
+        "voltage, which names nothing. "
         "Effects count as named where they stand first, all strengths together, groups aside."
     )
     header = (
@@ -231,8 +231,10 @@ def _gap(page: Page, score: Score, folder: Path) -> None:
 def _where(page: Page, score: Score) -> None:
     page.heading("Does it point to the right place?")
     page.paragraph(
-        "Ranges reported against the rig's own: the same axis, half of the shorter range in common, "
-        "and no longer than twice the rig's own or a fifth of how far from zero that reaches. Ranges on axes of which the truth says nothing are counted apart."
+        "Ranges reported against the rig's own: the same axis, half of the shorter range in "
+        "common, and no longer than twice the rig's own or a fifth of how far from zero that "
+        "reaches. Ranges on axes of which the truth says nothing are "
+        "counted apart."
     )
     rows = [_places("all", score.places)]
     rows += [
