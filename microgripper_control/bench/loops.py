@@ -25,27 +25,40 @@ READY = "ready"  # what a node logs when it is
 
 @dataclass(frozen=True)
 class Trips:
-    """One run: round trips, s, and the periods from sample to sample, s."""
+    """One run: round trips, s, the periods from sample to sample, s, and what was missed.
+
+    A tick is missed if its sample did not go out before the next one was due, or if no answer came
+    before the next sample: that is when the plant takes the newest command.
+    """
 
     round_trips: Array
     periods: Array
-    missed: float  # share of the ticks
+    unsent: float  # share of the ticks
+    unanswered: float  # share of the ticks, of those that were sent
+
+    @property
+    def missed(self) -> float:
+        """Share of the ticks."""
+        return self.unsent + self.unanswered
 
     @classmethod
-    def of(cls, sent: Array, answered: Array, period: float) -> Trips:
-        """Of the times at which samples went out and answers came, s.
+    def of(cls, sent: Array, answered: Array, period: float, soonest: float = 0.0) -> Trips:
+        """Of the times at which samples went out and answers came, s, in order.
 
-        A sample's round trip ends with the first answer after it: with an answer that is later than
-        the next sample, that one's is too short, and the longer one counts all the same.
+        Answers do not say what they answer. One that comes less than `soonest`, s, after a sample
+        answers one before; of the others the first after a sample ends its round trip. What is
+        never answered takes until the last sample, which itself does not count: nobody waits for
+        its answer. MicrogripperError where no answer came, or the first too late to count from.
         """
-        if not len(answered) or answered[-1] - answered[0] < 1.5 * SETTLING:
+        if not len(answered) or sent[-1] - answered[0] < 1.5 * SETTLING:
             raise MicrogripperError("bench: the samples of a loop were not answered")
-        counted = (sent > answered[0] + SETTLING) & (sent < answered[-1] - 0.1 * SETTLING)
-        sent = sent[counted]
-        periods = np.diff(sent)
-        ticks = round(float(sent[-1] - sent[0]) / period) + 1
-        round_trips = answered[np.searchsorted(answered, sent)] - sent
-        return cls(round_trips, periods, max(0.0, 1.0 - len(sent) / ticks))
+        counted = sent[sent > answered[0] + SETTLING]
+        begin, end = counted[:-1], counted[1:]
+        answered = np.append(answered[answered < sent[-1]], sent[-1] + soonest)
+        first = answered[np.searchsorted(answered, begin + soonest)]
+        ticks = max(len(begin), round(float(end[-1] - begin[0]) / period))
+        unsent, late = ticks - len(begin), int(np.sum(first >= end))
+        return cls(first - begin, end - begin, unsent / ticks, late / ticks)
 
 
 def check_ros() -> None:
@@ -55,11 +68,16 @@ def check_ros() -> None:
 
 
 def run_loop(
-    folder: Path, pair: tuple[str, str], duration: float, rate: float, settings: Mapping[str, Any]
+    folder: Path,
+    pair: tuple[str, str],
+    duration: float,
+    rate: float,
+    settings: Mapping[str, Any],
+    soonest: float = 0.0,
 ) -> Trips:
     """Let a pair of nodes answer each other for `duration`, s, at `rate`, Hz.
 
-    `settings` are parameters of both.
+    `settings` are parameters of both; `soonest` as in `Trips.of`.
     """
     check_ros()
     out = folder / "round_trips.json"
@@ -71,7 +89,7 @@ def run_loop(
         sender = nodes.start(sending, out=out, duration=length, sample_rate=rate, **settings)
         nodes.wait_for(sender, STARTING + 3.0 * length)
     times = json.loads(out.read_text(encoding="utf-8"))
-    return Trips.of(np.array(times["sent"]), np.array(times["answered"]), 1.0 / rate)
+    return Trips.of(np.array(times["sent"]), np.array(times["answered"]), 1.0 / rate, soonest)
 
 
 def _await_ready(node: Node) -> None:

@@ -106,7 +106,7 @@ class Effort:
 
 @dataclass(frozen=True)
 class Row:
-    """One row; raises MicrogripperError from `measure` where something is missing for it."""
+    """One row; raises MicrogripperError from `measure` where it cannot be measured."""
 
     name: str
     title: str

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import traceback
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -21,7 +22,7 @@ from microgripper_control.bench.rows import (
     startup,
     streaming,
 )
-from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.errors import MicrogripperError, one_line
 
 ROWS: Mapping[str, Row] = {
     module.ROW.name: module.ROW
@@ -74,7 +75,15 @@ def _measured(effort: Effort, only: Collection[str]) -> Iterator[tuple[str, Meas
             continue
         effort.progress(row.title)
         with TemporaryDirectory(prefix="microgripper_bench_", ignore_cleanup_errors=True) as folder:
-            try:
-                yield name, row.measure(replace(effort, folder=Path(folder)))
-            except MicrogripperError as error:
-                yield name, Measured(skipped=str(error))
+            yield name, _tried(row, replace(effort, folder=Path(folder)))
+
+
+def _tried(row: Row, effort: Effort) -> Measured:
+    """What came of a row: one that fails, even by a mistake of ours, does not cost the others."""
+    try:
+        return row.measure(effort)
+    except MicrogripperError as error:
+        return Measured(skipped=str(error))
+    except Exception as error:
+        traceback.print_exc()
+        return Measured(skipped=one_line(f"{type(error).__name__}: {error}"))

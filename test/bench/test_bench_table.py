@@ -21,6 +21,7 @@ from microgripper_control.bench.row import (
     Effort,
     Line,
     Measured,
+    Row,
     at_least,
     at_most,
 )
@@ -111,6 +112,19 @@ def test_a_row_that_cannot_be_measured_says_why(
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     measured = run(Effort(tmp_path, quick=True), ["startup"]).rows["startup"]
     assert measured.skipped == "ROS 2 is not there"
+
+
+def test_a_row_that_breaks_does_not_cost_the_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(effort: Effort) -> Measured:
+        raise ValueError("one\nof two")
+
+    rows = {"a": Row("a", "a", broken), "b": Row("b", "b", lambda effort: Measured((FAST,)))}
+    monkeypatch.setattr("microgripper_control.bench.run.ROWS", rows)
+    found = run(Effort(tmp_path)).rows
+    assert found["a"].skipped == r"ValueError: one\nof two"
+    assert found["b"].lines == (FAST,)
 
 
 def test_every_row_has_a_name_of_its_own() -> None:

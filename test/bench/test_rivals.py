@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,8 @@ from microgripper_control.bench.rivals.scripted_fit import (
 )
 from microgripper_control.bench.rows import simulation
 from microgripper_control.bench.rows.diagnosis import PLANTED, textbook
+from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.signals import Array
 from microgripper_control.identification.fit import fit
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.model import nominal_model
@@ -55,20 +58,51 @@ def test_the_numpy_loop_gives_the_same_to_rounding() -> None:
 
 @pytest.mark.parametrize("method", ["RK45", "BDF", "LSODA"])
 def test_solve_ivp_comes_to_the_same(script: Script, method: str) -> None:
-    off = np.max(np.abs(script.solve_ivp(method, 1e-8) - simulation.exact(script)))
+    off = np.max(np.abs(script.solve_ivp(method, 1e-8, 1e-8) - simulation.exact(script)))
     assert off < 1e-11
 
 
 def test_odeint_comes_to_the_same(script: Script) -> None:
-    assert np.max(np.abs(script.odeint(1e-9) - simulation.exact(script))) < 1e-12
+    assert np.max(np.abs(script.odeint(1e-9, 1e-9) - simulation.exact(script))) < 1e-12
 
 
-def test_the_integrators_that_are_timed_are_accurate_enough(script: Script) -> None:
-    method, tolerance = simulation.choose_solve_ivp(script)
-    truth = simulation.exact(script)
-    assert np.max(np.abs(script.solve_ivp(method, tolerance) - truth)) <= simulation.ACCURACY
-    tolerance = simulation.choose_odeint(script)
-    assert np.max(np.abs(script.odeint(tolerance) - truth)) <= simulation.ACCURACY
+@pytest.mark.parametrize("choose", [simulation.choose_solve_ivp, simulation.choose_odeint])
+def test_the_integrators_that_are_timed_are_accurate_enough(
+    script: Script,
+    choose: Callable[[Script], simulation.Chosen],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(simulation, "METHODS", ("LSODA", "BDF"))
+    chosen = choose(script)
+    off = np.max(np.abs(chosen.solve() - simulation.exact(script)))
+    assert off == chosen.error <= simulation.ACCURACY
+
+
+def test_the_fastest_that_is_accurate_enough_is_taken(
+    script: Script, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Be its tolerances tight or loose: time goes by as the settings say."""
+    spent = {(1e-3, 1e-2): 1.0, (1e-12, 3e-4): 2.0, (1e-12, 1e-6): 3.0}
+
+    def odeint(self: Script, rtol: float, atol: float) -> Array:
+        off = 2e-9 if atol == 1e-2 else 5e-10
+        return simulation.exact(self) + off
+
+    monkeypatch.setattr(Script, "odeint", odeint)
+    monkeypatch.setattr(
+        simulation,
+        "_seconds",
+        lambda solve, of: spent.get((solve.keywords["rtol"], solve.keywords["atol"]), 9.0),
+    )
+    assert simulation.choose_odeint(script).about == "odeint, rtol 1e-12, atol 0.0003 um"
+
+
+def test_an_integrator_that_is_never_accurate_enough_is_told(
+    script: Script, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(simulation, "ACCURACY", 0.0)
+    with pytest.raises(MicrogripperError, match="odeint is within 0 m at none of its settings"):
+        simulation.choose_odeint(script)
 
 
 def test_all_fits_find_the_same() -> None:

@@ -1,6 +1,6 @@
 """The nominal chain as one would script it: rates for a general integrator, and a plain loop.
 
-The state is (h, x, x'/omega), all in um, so that one tolerance fits all three; the voltage runs
+The state is (h, x, x'/omega), all in um, so that one atol fits all three; the voltage runs
 straight from sample to sample (`--hold first`), because an integrator needs its slope.
 """
 
@@ -40,8 +40,8 @@ class Script:
         """The right side of the differential equations."""
         return _Rates(self.values, self.voltage.tolist(), self.sample_period)
 
-    def solve_ivp(self, method: str, tolerance: float) -> Array:
-        """Displacement, m, by `scipy.integrate.solve_ivp`; atol is in um."""
+    def solve_ivp(self, method: str, rtol: float, atol: float) -> Array:
+        """Displacement, m, by `scipy.integrate.solve_ivp`, NaN if it fails; `atol` is in um."""
         time = self._time
         solved = solve_ivp(
             self.rates(),
@@ -49,21 +49,21 @@ class Script:
             self._start(),
             method=method,
             t_eval=time,
-            rtol=tolerance,
-            atol=tolerance,
+            rtol=rtol,
+            atol=atol,
             max_step=self.sample_period,  # without it a step may pass over a whole corner
         )
-        return np.asarray(solved.y[1]) / UM
+        return np.asarray(solved.y[1]) / UM if solved.success else np.full(len(time), np.nan)
 
-    def odeint(self, tolerance: float) -> Array:
-        """Displacement, m, by `scipy.integrate.odeint`."""
+    def odeint(self, rtol: float, atol: float) -> Array:
+        """Displacement, m, by `scipy.integrate.odeint`; `atol` is in um."""
         solved = odeint(
             self.rates(),
             self._start(),
             self._time,
             tfirst=True,
-            rtol=tolerance,
-            atol=tolerance,
+            rtol=rtol,
+            atol=atol,
             hmax=self.sample_period,
         )
         return np.asarray(solved[:, 1]) / UM

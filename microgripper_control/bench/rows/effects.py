@@ -1,8 +1,8 @@
-"""The chain with effects on: whether they cost what they cost one by one, and what a step costs."""
+"""The chain with effects on: whether they add what each adds alone, and what a step costs."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,8 +11,7 @@ from microgripper_control.bench import rig
 from microgripper_control.bench.growth import LINEAR, exponent
 from microgripper_control.bench.row import LONGER, Curve, Effort, Line, Measured, Row
 from microgripper_control.bench.timing import Contestant, Spread, take_turns
-from microgripper_control.core.signals import LEVELS, ROWS, VOLTAGE, Array
-from microgripper_control.effects.base import Load
+from microgripper_control.core.signals import ROWS, VOLTAGE, Array
 from microgripper_control.effects.registry import registry
 from microgripper_control.plant.chain import Chain
 from microgripper_control.plant.model import nominal_model
@@ -24,7 +23,7 @@ GRID = 16  # steps a sample, on which the links that need no solve are compared
 
 @dataclass(frozen=True)
 class Subject:
-    """The nominal chain with some effects; `steps` is what it steps through in a sample."""
+    """The nominal chain with some effects; `steps` is what its mechanics take in a sample."""
 
     chain: Chain
     steps: int
@@ -33,16 +32,20 @@ class Subject:
     def having(cls, effects: Sequence[str], divisions: int = 1) -> Subject:
         """With these effects at their nominal values."""
         model = nominal_model()
+        forceless = model
         for name in effects:
             model = model.with_link(name)
-        chain = Chain(model, rig.SAMPLE_PERIOD, np.zeros(ROWS), divisions=divisions)
-        mechanics = registry()["second_order"]
-        loads: list[Load] = [(x.force, model.values(x.name)) for x in model.links if x.force]
-        if not loads or mechanics.solver is None:
+            forceless = forceless if registry()[name].force else forceless.with_link(name)
+        chain, without = (
+            Chain(one, rig.SAMPLE_PERIOD, np.zeros(ROWS), divisions=divisions)
+            for one in (model, forceless)
+        )
+        forces = len(model.links) - len(forceless.links)
+        if not forces:
             return cls(chain, chain.steps)
-        values = model.values(mechanics.name)
-        solve = mechanics.solver.prepare(values, chain.timing, np.zeros(LEVELS), loads)
-        return cls(chain, len(solve.coefficients) - 1 - len(loads))
+        # How forces divide the mechanics' steps depends on the course that the links before leave:
+        # only the chain knows it. Each force has a row beside, and all together one.
+        return cls(chain, without.steps + chain.labour - without.labour - forces - 1)
 
     def contestant(self) -> Contestant:
         """Runs over `SAMPLES` samples; timed per step."""
@@ -73,11 +76,17 @@ def measure(effort: Effort) -> Measured:
     }
     times = take_turns({n: subject.contestant() for n, subject in subjects.items()}, effort.rounds)
     step = times.rounds
-    one_by_one = step["nominal"] + sum(step[name] - step["nominal"] for name in others)
-    alone = np.sum([step[name] for name in forces], axis=0)
+    added = {name: step[name] - step["nominal"] for name in subjects}
+    other, force = (np.sum([added[name] for name in group], axis=0) for group in (others, forces))
+    whole = subjects["all"]
     lines = [
-        _additive(f"{len(others)} effects at once, per internal step", step["others"], one_by_one),
-        _additive(f"{len(forces)} forces at once, per substep", step["forces"], alone),
+        _additive(f"{len(others)} effects at once, per internal step", added["others"], other),
+        _additive(f"{len(forces)} forces at once, per substep", added["forces"], force),
+        _additive(
+            f"all {len(effects)} effects at once, per sample",
+            whole.steps * added["all"],
+            whole.steps * force + whole.chain.steps * other,
+        ),
     ]
     lines += [
         Line(
@@ -92,13 +101,15 @@ def measure(effort: Effort) -> Measured:
         for name in (*forces, "all")
     ]
     line, curve = _by_steps(effort)
-    return Measured((*lines, line), (_NOTE.format(*_whole(subjects, step)),), (curve,))
+    spent = 1e6 * whole.steps * float(np.median(step["all"]))
+    note = _NOTE.format(whole.chain.steps, whole.steps, spent)
+    return Measured((*lines, line), (note,), (curve,))
 
 
 def _additive(what: str, together: Array, one_by_one: Array) -> Line:
     return Line(
-        what,
-        "the sum of one by one",
+        f"added by {what}",
+        "the sum of what each adds alone",
         Spread.of(together / one_by_one),
         LONGER,
         LINEAR,
@@ -119,15 +130,12 @@ def _by_steps(effort: Effort) -> tuple[Line, Curve]:
 
 
 _NOTE = (
-    "The first two lines say how far from linear in the links it is. A force is solved "
-    "inside the mechanics in substeps, few where the mass comes to rest, many where its path "
-    "counts. The chain with everything on takes {:.0f} substeps and {:.1f} us a sample."
+    "The first three lines say how far from linear in the links it is; what the nominal chain "
+    "takes for an internal step is taken off everywhere. A force is solved inside the mechanics in "
+    "substeps, few where the mass comes to rest, many where its path counts. The chain with "
+    "everything on takes {} internal steps, which the mechanics divide into {} substeps, and "
+    "{:.1f} us a sample: in the third line an effect alone counts for each of its own."
 )
-
-
-def _whole(subjects: Mapping[str, Subject], step: Mapping[str, Array]) -> tuple[float, float]:
-    steps = subjects["all"].steps
-    return steps, 1e6 * steps * float(np.median(step["all"]))
 
 
 ROW = Row("effects", "the chain with effects on", measure)

@@ -33,7 +33,7 @@ def measure(effort: Effort) -> Measured:
     ours = partial(fit, start, [recording], CONDITIONS)
     unknown = partial(fit, start, [recording])  # the state it starts in is fitted, too
     script = Script(rig.nominal_values(), recording.voltage[:SHORT], rig.SAMPLE_PERIOD)
-    method, tolerance = choose_solve_ivp(script)
+    scripted = choose_solve_ivp(script)
     simulator = compiled_model(recording)
     asked = least_squares_script(start, recording, simulator).simulations
     times = take_turns(
@@ -41,7 +41,7 @@ def measure(effort: Effort) -> Measured:
             "ours": Contestant(ours),
             "unknown": Contestant(unknown),
             "quick script": Contestant(partial(least_squares_script, start, recording, simulator)),
-            "solve_ivp": Contestant(partial(script.solve_ivp, method, tolerance), SHORT),
+            "solve_ivp": Contestant(scripted.solve, SHORT),
         },
         effort.few_rounds,
     )
@@ -57,7 +57,7 @@ def measure(effort: Effort) -> Measured:
         Line(f"{what} and the initial state", "", times.of("unknown"), "s", LONGEST),
         Line(
             what,
-            f"the same scripted: {method} and finite differences",
+            f"the same scripted: {scripted.about} and finite differences",
             Spread.of(whole / spent),
             FASTER,
             TIMES,
@@ -88,7 +88,7 @@ def measure(effort: Effort) -> Measured:
         "for the basin, a simplex, the test of what the data determine and intervals; the scripts "
         f"descend once. The script with solve_ivp would take its {asked} simulations (counted with "
         f"the compiled model in its place) times {len(recording)} samples; its time per sample is "
-        f"that of {SHORT} samples."
+        f"that of {SHORT} samples, on which it is off by {1e9 * scripted.error:.2g} nm at most."
     )
     return Measured(lines, (note,))
 
