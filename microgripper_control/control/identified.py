@@ -40,6 +40,7 @@ class Identified:
     k_s: float  # N/m
     voltage_range: tuple[float, float]  # V, for which these values hold
     dead_time: float = 0.0  # s by which the reading is behind the command, besides the mechanics
+    ringing: float = 0.0  # s, largest |G(jw) - 1| / w of the modes G besides the mechanics
 
     def __post_init__(self) -> None:
         for link in (bouc_wen.LINK, second_order.LINK):
@@ -50,10 +51,9 @@ class Identified:
             raise MicrogripperError(
                 f"identified: voltage range {low:g} .. {high:g} V: low must be below high"
             )
-        if not (math.isfinite(self.dead_time) and self.dead_time >= 0.0):
-            raise MicrogripperError(
-                f"identified: dead time {self.dead_time:g} s: must be 0 or more"
-            )
+        for name, time in ("dead time", self.dead_time), ("ringing", self.ringing):
+            if not (math.isfinite(time) and time >= 0.0):
+                raise MicrogripperError(f"identified: {name} {time:g} s: must be 0 or more")
 
     @classmethod
     def from_values(
@@ -62,10 +62,11 @@ class Identified:
         mechanics: Values,
         voltage_range: tuple[float, float],
         dead_time: float = 0.0,
+        ringing: float = 0.0,
     ) -> Identified:
         """Make one of the values of the links `bouc_wen` and `second_order`, by parameter name."""
         chosen = _chosen(bouc_wen.LINK, material) | _chosen(second_order.LINK, mechanics)
-        return cls(**chosen, voltage_range=voltage_range, dead_time=dead_time)
+        return cls(**chosen, voltage_range=voltage_range, dead_time=dead_time, ringing=ringing)
 
     @cached_property
     def a(self) -> float:

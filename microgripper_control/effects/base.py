@@ -139,6 +139,17 @@ def never_behind(values: Values) -> float:
     return 0.0
 
 
+# ringing(values): s, an upper bound of |G(jw) - 1| / w over all w, G being the link's response: by
+# so much, times ki and the plant's gain at rest, a mode can raise the loop gain of integral action.
+# What is `behind` at all frequencies alike does not count.
+Ringing = Callable[[Values], float]
+
+
+def never_ringing(values: Values) -> float:
+    """A link without a mode of its own."""
+    return 0.0
+
+
 # rescaled(values, factor): what else changes, where the parameters at which the link vanishes
 # become `factor` times as large, so that it does the same, only stronger.
 Rescaled = Callable[[Values, float], Values]
@@ -274,6 +285,7 @@ class Link:
     idle: Idle = none_idle
     rescaled: Rescaled = nothing_else
     behind: Behind = never_behind
+    ringing: Ringing = never_ringing
     says: Says | None = None  # the title does without
     nominal: bool = False  # part of the paper's plant, always there
     follows: bool = False  # the course between the samples matters to it

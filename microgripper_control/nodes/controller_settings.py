@@ -135,10 +135,12 @@ class ControllerSettings:
 
 
 def load_identified(model_file: str) -> Identified:
-    """The values that a controller needs of the model in a file, its delays and lags included."""
+    """The values that a controller needs of the model in a file, its delays, lags and modes too."""
     model = load_model(model_path(model_file))
     material, mechanics = model.values("bouc_wen"), model.values("second_order")
-    return Identified.from_values(material, mechanics, model.voltage_range, model.dead_time)
+    return Identified.from_values(
+        material, mechanics, model.voltage_range, model.dead_time, model.ringing
+    )
 
 
 def declare(node: Node) -> None:

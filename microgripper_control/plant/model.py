@@ -137,6 +137,11 @@ class Model:
         """S by which its effects let the reading be behind the command, all delays and lags."""
         return sum(registry()[link].behind(self.values(link)) for link in self.settings)
 
+    @property
+    def ringing(self) -> float:
+        """S: how much the modes of its effects can add to a loop, per ki and gain at rest."""
+        return sum(registry()[link].ringing(self.values(link)) for link in self.settings)
+
     def values(self, link: str) -> dict[str, float]:
         """The plain numbers of one link."""
         return {name: setting.value for name, setting in self.settings[link].items()}

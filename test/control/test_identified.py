@@ -50,5 +50,7 @@ def test_bad_values_are_named(identified: Identified) -> None:
         replace(identified, m=float("nan"))
     with pytest.raises(MicrogripperError, match=r"voltage range 1 \.\. 1 V"):
         replace(identified, voltage_range=(1.0, 1.0))
+    with pytest.raises(MicrogripperError, match="ringing -1 s: must be 0 or more"):
+        replace(identified, ringing=-1.0)
     with pytest.raises(MicrogripperError, match="bouc_wen: d is missing"):
         Identified.from_values({}, {}, (0.0, 160.0))

@@ -8,12 +8,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from closed_loop import drive
+from scipy.signal import cont2discrete
 
+from microgripper_control.control.controller import Controller, Mode
 from microgripper_control.control.identified import Identified
 from microgripper_control.control.pid import Pid, PidGains
 from microgripper_control.control.tuning import default_gains, loop_margins
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.signals import Array
+from microgripper_control.effects.registry import registry
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.model_file import load_model
 from microgripper_control.plant.simulate import Plant
@@ -148,3 +152,85 @@ def test_a_resonance_lowers_the_gain_until_the_loop_is_calm(
     )
     response = _step_response(plant, gains, 1e-4, 1000)
     np.testing.assert_allclose(response[-100:], 1e-6, rtol=1e-3)
+
+
+MODES = [  # share, natural frequency in Hz, damping ratio
+    (0.1, 100.0, 0.02),
+    (0.2, 30.0, 0.02),
+    (0.2, 100.0, 0.02),
+    (0.5, 200.0, 0.02),
+    (1.0, 100.0, 0.02),
+    (1.0, 10.0, 0.15),
+    (-1.0, 60.0, 0.02),
+    (5.0, 40.0, 0.1),
+    (1.0, 950.0, 0.005),  # above half the sampling rate: seen at 50 Hz
+]
+
+
+def with_mode(
+    model: Model, identified: Identified, mode: tuple[float, float, float], detuned: float = 1.0
+) -> tuple[Model, Identified]:
+    """A rig with a mode and what is known of it; the rig's frequency may be another by a factor."""
+    share, frequency, damping = mode
+    known = model.with_link("extra_resonance", share=share, frequency=frequency, damping=damping)
+    rig = known.with_values({("extra_resonance", "frequency"): detuned * frequency})
+    ringing = registry()["extra_resonance"].ringing(known.values("extra_resonance"))
+    return rig, replace(identified, ringing=ringing)
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_what_a_mode_can_add_to_the_loop_is_bounded_and_not_by_far(
+    model: Model, identified: Identified, mode: tuple[float, float, float]
+) -> None:
+    share, frequency, damping = mode
+    u = np.append(np.geomspace(1e-3, 1e3, 20_001), 1.0 + damping * np.linspace(-3, 3, 601))
+    added = share * (1.0 / (1.0 - u**2 + 2j * damping * u) - 1.0)
+    largest = np.max(np.abs(added) / (math.tau * frequency * u))
+    assert largest <= with_mode(model, identified, mode)[1].ringing < 1.4 * largest
+
+
+@pytest.mark.parametrize("detuned", [0.9, 1.0, 1.1])
+@pytest.mark.parametrize("mode", MODES)
+def test_a_mode_behind_the_mechanics_is_not_driven_into_swinging(
+    model: Model, identified: Identified, mode: tuple[float, float, float], detuned: float
+) -> None:
+    rig, known = with_mode(model, identified, mode, detuned)
+    x, _ = drive(rig, Controller(known, T, mode=Mode.CASCADE), np.full(6000, 8e-6))
+    np.testing.assert_allclose(x[-1000:], 8e-6, atol=1e-8)
+
+
+@pytest.mark.parametrize("mode", [mode for mode in MODES if mode[0] > 0.0])
+def test_one_who_is_not_told_of_a_mode_drives_it_into_swinging(
+    model: Model, identified: Identified, mode: tuple[float, float, float]
+) -> None:
+    rig, _ = with_mode(model, identified, mode)
+    x, _ = drive(rig, Controller(identified, T, mode=Mode.CASCADE), np.full(4000, 8e-6))
+    assert np.std(x[-1000:]) > 5e-6
+
+
+@pytest.mark.parametrize("sample_period", [1e-3, 2e-4])
+@pytest.mark.parametrize("mode", [*MODES, (0.2, 834.0, 0.02), (0.5, 700.0, 0.02)])
+def test_the_margins_hold_with_the_mode_in_the_loop(
+    model: Model, identified: Identified, mode: tuple[float, float, float], sample_period: float
+) -> None:
+    """Of the exactly sampled loop of a plant whose gain is 20 % higher than known."""
+    _, known = with_mode(model, identified, mode)
+    g = 1.2 * default_gains(known, sample_period).ki * known.gain * sample_period
+    share, frequency, damping = mode
+    omega = math.tau * frequency
+    parts = (  # of q and q' / omega
+        [[0.0, omega], [-omega, -2.0 * damping * omega]],
+        [[0.0], [omega]],
+        [[share, 0.0]],
+        [[1.0 - share]],
+    )
+    a, b, c, d, _ = cont2discrete(tuple(map(np.array, parts)), sample_period)
+    seen = abs((omega * sample_period + math.pi) % math.tau - math.pi)
+    peak = seen + damping * omega * sample_period * np.linspace(-5.0, 5.0, 2001)
+    angles = np.unique(np.append(np.geomspace(1e-5, math.pi, 20_001), peak))
+    z = np.exp(1j * angles[(angles > 0.0) & (angles <= math.pi)])
+    passed = (c @ np.linalg.solve(z[:, None, None] * np.eye(2) - a, b))[:, 0, 0]
+    loop = g / (z - 1.0) * (passed + d[0, 0] / z)  # what passes at once is read a sample later
+    crosses = np.signbit(loop.imag[:-1]) != np.signbit(loop.imag[1:])
+    assert loop.real[:-1][crosses].min() > -0.5
+    assert np.abs(np.angle(-loop[np.abs(loop) >= 1.0], deg=True)).min() > 45.0
