@@ -13,9 +13,10 @@ import numpy as np
 import pytest
 
 from microgripper_control.core.signals import Array
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import nominal_model
 from microgripper_control.plant.model_file import load_model, save_model
-from microgripper_control.plant.simulate import simulate
+from microgripper_control.plant.simulate import Initial, simulate
 
 Run = Callable[..., Any]
 PERIOD = 1e-3
@@ -70,6 +71,21 @@ def test_json_is_for_machines(
     assert gain["low"] < gain["value"] < gain["high"]
     assert gain["value"] == pytest.approx(1.4447e-7 * 5e7 / (5e7 + 8.2e5), rel=1e-3)
     assert result["recordings"][0]["rmse_m"] == pytest.approx(15e-9, rel=0.1)
+
+
+def test_the_conditions_are_those_that_are_asked_for(
+    microgripper: Run, model: Path, tmp_path: Path
+) -> None:
+    """A period of a steady state, under a voltage that ran straight from sample to sample."""
+    angle = 2.0 * np.pi * np.arange(1000) / 1000
+    voltage = 80.0 - 50.0 * np.cos(angle) - 20.0 * np.cos(3.0 * angle)
+    measured = simulate(nominal_model(), voltage, PERIOD, hold=Hold.FIRST, initial=Initial.PERIODIC)
+    path = write(tmp_path / "run.csv", voltage, measured)
+    chosen = ("--hold", "first", "--initial", "periodic")
+    words = ("--model", model, path, *chosen, "--out", tmp_path / "f.yaml", "--json")
+    (found,) = json.loads(microgripper("identify", *words).out)["recordings"]
+    assert found["rmse_m"] < 1e-10
+    assert found["initial_hysteresis_m"] == 0.0  # it follows from the period
 
 
 def test_other_peoples_columns_and_units(microgripper: Run, model: Path, tmp_path: Path) -> None:

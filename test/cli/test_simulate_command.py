@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import nominal_model
 from microgripper_control.plant.model_file import save_model
-from microgripper_control.plant.simulate import simulate
+from microgripper_control.plant.simulate import Initial, simulate
 
 Run = Callable[..., Any]
 VOLTAGE = 80.0 - 80.0 * np.cos(2.0 * np.pi * 1e-3 * np.arange(2000))
@@ -41,6 +42,21 @@ def test_one_row_per_sample_without_a_measured_displacement(
     assert out.read_text().splitlines()[0] == "time_s,displacement_m"
     assert np.allclose(rows[:, 0], 1e-3 * np.arange(len(VOLTAGE)), atol=1e-9)
     assert np.array_equal(rows[:, 1], simulate(nominal_model(), VOLTAGE, 1e-3))
+
+
+@pytest.mark.parametrize(
+    ("hold", "initial"), [(Hold.FIRST, Initial.PERIODIC), (Hold.BANDLIMITED, Initial.REST)]
+)
+def test_the_conditions_are_those_that_are_asked_for(
+    microgripper: Run, model: Path, tmp_path: Path, hold: Hold, initial: Initial
+) -> None:
+    path = write(tmp_path / "drive.csv", VOLTAGE + 5.0, header="time_s,voltage_V")
+    out = tmp_path / "predicted.csv"
+    chosen = ("--hold", hold.value, "--initial", initial.value)
+    assert microgripper("simulate", "--model", model, path, *chosen, "--out", out).status == 0
+    said = np.loadtxt(out, delimiter=",", skiprows=1)[:, 1]
+    wanted = simulate(nominal_model(), VOLTAGE + 5.0, 1e-3, hold=hold, initial=initial)
+    assert np.array_equal(said, wanted)
 
 
 def test_the_recordings_own_zero_is_fitted_unless_told_not_to(

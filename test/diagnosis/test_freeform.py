@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 import pytest
 from planted_residuals import NOISE, PERIOD, loops, multisine, planted, staircase
@@ -11,6 +9,7 @@ from scipy.signal import lfilter
 
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.data.residuals import Residual
+from microgripper_control.diagnosis.signs import freeform
 from microgripper_control.diagnosis.signs.freeform import explainable
 from microgripper_control.plant.model import nominal_model
 from microgripper_control.plant.simulate import simulate
@@ -82,11 +81,20 @@ def test_blocks_of_one_recording_serve_for_both() -> None:
     assert explainable([fitted], [judged], NOISE) > 0.8
 
 
-def test_it_is_quick() -> None:
-    voltage = course(44000)
+def test_of_long_recordings_it_looks_at_few_samples(monkeypatch: pytest.MonkeyPatch) -> None:
+    looked_at = []
+
+    class Counted(freeform._Moments):
+        @classmethod
+        def of(cls, matrix: Array, target: Array, fold: Array) -> freeform._Moments:
+            looked_at.append(len(matrix))
+            return super().of(matrix, target, fold)
+
+    monkeypatch.setattr(freeform, "_Moments", Counted)
+    voltage = course(60_000)
     fitted = left_by("creep", voltage, 1, odd=True, strength=0.02)
     judged = left_by("creep", voltage, 2, strength=0.02)
-    explainable([fitted], [judged], NOISE)
-    begun = time.process_time()
-    explainable([fitted], [judged], NOISE)
-    assert time.process_time() - begun < 2.0
+    assert np.count_nonzero(fitted.counted) > 2 * freeform.MOST_ROWS
+    assert explainable([fitted], [judged], NOISE) > 0.8
+    assert len(looked_at) == 1
+    assert 0.5 * freeform.MOST_ROWS < looked_at[0] <= freeform.MOST_ROWS
