@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -9,9 +10,13 @@ import numpy as np
 import pytest
 
 from microgripper_control.core.recording import Recording
+from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.diagnose import candidate_names, diagnose
-from microgripper_control.diagnosis.fits.trial import Trial
+from microgripper_control.diagnosis.fits.trial import Trial, fitted_keys, judged, unfitted
 from microgripper_control.diagnosis.search import exploration, resettling, rounds
+from microgripper_control.diagnosis.search.pool import Pool
+from microgripper_control.diagnosis.search.refit import nominal_trial, refit_trial
+from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.model import nominal_model
 from microgripper_control.plant.simulate import simulate
 
@@ -181,3 +186,24 @@ def test_beside_a_force_that_takes_long_few_are_tried_unless_it_leaves_much(
     names = ["creep", "contact", "backlash", "friction"]
     exploration._join(leader, names, pool, lambda *done: None, 1)
     assert played == tried
+
+
+def test_what_joined_on_a_wrong_guess_begins_anew() -> None:
+    """A law with other values may have been taken for the object's, beside a hum fitted to both."""
+    rig = nominal_model().with_link("contact", position=10e-6, stiffness=4e6)
+    voltage = 75.0 - 70.0 * np.cos(2.0 * np.pi * np.arange(6000) / 1000.0)
+    time = 1e-3 * np.arange(6000)
+    random = np.random.default_rng(6)
+    reading = simulate(rig, voltage, 1e-3) + 2e-7 * np.sin(2.0 * np.pi * 50.0 * time)
+    recording = Recording("run", 1e-3, voltage, reading + 15e-9 * random.standard_normal(6000))
+    evidence = Evidence.gather([recording], [], Conditions(), nominal_model())
+    before = nominal_trial(evidence, nominal_model())
+    pool = Pool(evidence, before, refit_trial(evidence, before))
+    wrong = pool.refit.model.with_link("mains_hum", frequency=50.0)
+    wrong = wrong.with_link("contact", position=8e-6, stiffness=1e6, damping=20.0)
+    free = (*pool.refit.free, *fitted_keys(wrong, ["contact", "mains_hum"]))
+    pool.add(judged(evidence, unfitted(evidence, replace(pool.refit, model=wrong, free=free))))
+    assert 30e-9 < pool.closest.rmse < pool.refit.rmse
+    exploration._begin_anew(pool, lambda *done: None, 1)
+    assert pool.closest.rmse < 16e-9
+    assert pool.closest.model.value("contact", "position") == pytest.approx(10e-6, rel=0.02)

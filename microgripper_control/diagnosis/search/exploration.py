@@ -13,8 +13,8 @@ from dataclasses import replace
 from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.data.residuals import fitted_residuals
 from microgripper_control.diagnosis.fits.fitting import base_of
-from microgripper_control.diagnosis.fits.trial import Trial, added
-from microgripper_control.diagnosis.search.attempt import behind
+from microgripper_control.diagnosis.fits.trial import Trial, added, unfitted
+from microgripper_control.diagnosis.search.attempt import Scrutiny, attempt, behind
 from microgripper_control.diagnosis.search.clocked_lags import on_the_sensors_clock
 from microgripper_control.diagnosis.search.finishing import POLISHED, refined
 from microgripper_control.diagnosis.search.labour import (
@@ -28,6 +28,8 @@ from microgripper_control.diagnosis.search.labour import (
 from microgripper_control.diagnosis.search.pool import Pool, is_read_off, strongest
 from microgripper_control.diagnosis.search.resettling import again_if_settled
 from microgripper_control.diagnosis.search.rounds import Progress, play, silent
+from microgripper_control.diagnosis.search.schedule import side_by_side
+from microgripper_control.diagnosis.search.stretches import PART
 from microgripper_control.diagnosis.signs.signatures import signatures
 from microgripper_control.effects.registry import registry
 
@@ -85,6 +87,7 @@ def together(
     if _worth_joining(pool, 1):
         _add_further(fitted, pool, progress, jobs)
     _exchange(fitted, pool, progress, jobs)
+    _begin_anew(pool, progress, jobs)
     _check_backwards(pool)
     _add_chosen(pool, names)
 
@@ -182,6 +185,34 @@ def _exchange(names: Sequence[str], pool: Pool, progress: Progress, jobs: int) -
             play(pool.evidence, [base], others, EXCHANGED, pool, progress, jobs)
 
 
+def _begin_anew(pool: Pool, progress: Progress, jobs: int) -> None:
+    """Fit each effect of the best explanation by several from first guesses, if it leaves a rest.
+
+    What joined first was chosen on a part of the samples, beside others that were still fitted to
+    its share of the gap. What is costly to simulate is not worth the time.
+    """
+    evidence, best = pool.evidence, pool.closest
+    effects = added(evidence, best)
+    if len(effects) < 2 or not pool.leaves_a_rest(best) or is_costly(evidence, best.model):
+        return
+    whole = Scrutiny(PART, known=best.fitted_rmse)
+    names = sorted(name for name in effects if not is_read_off(name))
+    progress("the best of them anew", 0, 1)
+    tasks = [
+        (evidence, [base_of(evidence, unfitted(evidence, _without(best, name)))], name, whole)
+        for name in names
+    ]
+    for _, found, _ in side_by_side(attempt, tasks, jobs):
+        if found is not None:
+            pool.add(refined(evidence, found, POLISHED, 60))
+
+
+def _without(trial: Trial, name: str) -> Trial:
+    """An explanation with one effect taken out, not fitted."""
+    free = tuple(key for key in trial.free if key[0] != name)
+    return Trial(trial.model.without([name]), free, trial.initial_hysteresis, math.inf)
+
+
 def _untried_beside(kept: Trial, names: Sequence[str], pool: Pool) -> list[str]:
     """The effects of `names` that may join `kept` and did not yet; what closes most first."""
     beside = added(pool.evidence, kept)
@@ -222,11 +253,8 @@ def _check_backwards(pool: Pool) -> None:
     if len(effects) < 2:
         return
     for name in sorted(effects):
-        model = best.model.without([name])
-        free = tuple(key for key in best.free if key[0] != name)
-        start = Trial(model, free, best.initial_hysteresis, math.inf)
         known = effects - {name} in pool.tried
-        pool.add(refined(pool.evidence, start, POLISHED, 4 if known else 15))
+        pool.add(refined(pool.evidence, _without(best, name), POLISHED, 4 if known else 15))
 
 
 def _add_chosen(pool: Pool, names: Sequence[str]) -> None:
