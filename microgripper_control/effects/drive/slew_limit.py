@@ -31,6 +31,7 @@ from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Val
 
 JUMPS = (0.5, 256.0)  # V: of what sizes the end of the ramp is drawn well at any slew rate
 GROWTH = 2.0**0.5  # from boundary to boundary after a jump,
+PHASES = 4  # of a step at most: it is limited one way, regulates, is limited the other way
 PIECES = 12  # until they are as far apart as this part of a sample period
 FREE = 20.0  # times the fastest change on record: such a limit leaves no trace
 SHARES = (6.0, 3.0, 1.7, 0.95, 0.8, 0.65, 0.5, 0.4, 0.3, 0.22, 0.16, 0.12, 0.09, 0.05, 0.03)
@@ -62,7 +63,7 @@ def late_after(late: float, run: float, up: float, down: float, lag: float) -> f
     """
     top, bottom = (up * lag, -down * lag) if lag > 0.0 else (0.0, 0.0)
     left = 1.0
-    while True:
+    for _ in range(PHASES):
         rising = late > top or (late == top and run > up)
         falling = late < bottom or (late == bottom and run < -down)
         if not (rising or falling):
@@ -70,7 +71,7 @@ def late_after(late: float, run: float, up: float, down: float, lag: float) -> f
                 return 0.0
             goal = run * lag
             end = goal + (late - goal) * math.exp(-left / lag)
-            if bottom <= goal <= top or bottom <= end <= top:
+            if bottom <= goal <= top or not (end < bottom or end > top):  # also if it is NaN
                 return end
             bound = top if goal > top else bottom
             left -= lag * math.log((late - goal) / (bound - goal))
@@ -81,6 +82,7 @@ def late_after(late: float, run: float, up: float, down: float, lag: float) -> f
                 return late + (run - pace) * left
             left -= until
         late = bound
+    return late
 
 
 @compiled

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from itertools import product
 
@@ -68,6 +69,16 @@ def test_a_regulated_output_is_that_of_its_equation(lag: float) -> None:
 
         found = solve_ivp(change, (0.0, 1.0), [start], rtol=1e-9, atol=1e-11, max_step=0.02)
         assert late_after(start, run, up, down, lag) == pytest.approx(found.y[0, -1], abs=1e-6)
+
+
+def test_what_is_no_number_stays_none() -> None:
+    """A fit may go where nothing is finite; it must come to an end all the same."""
+    numbers = (0.0, 0.3, -4.0, math.inf, -math.inf, math.nan)
+    for late, run, up, down, lag in product(numbers, numbers, *(numbers[:2] + numbers[3:],) * 3):
+        if min(up, down, lag) >= 0.0 or math.isnan(up + down + lag):
+            late_after(late, run, up, down, lag)
+    assert math.isnan(late_after(math.nan, 1.0, 1.0, 1.0, 0.5))
+    assert math.isnan(late_after(1.0, math.nan, 1.0, 1.0, 0.5))
 
 
 def test_a_soft_knee_settles_exponentially(alone: Alone) -> None:
