@@ -68,7 +68,7 @@ def late_after(late: float, run: float, up: float, down: float, lag: float) -> f
         falling = late < bottom or (late == bottom and run < -down)
         if not (rising or falling):
             if lag == 0.0:
-                return 0.0
+                return late  # 0, or no number
             goal = run * lag
             end = goal + (late - goal) * math.exp(-left / lag)
             if bottom <= goal <= top or not (end < bottom or end > top):  # also if it is NaN

@@ -79,6 +79,7 @@ def test_what_is_no_number_stays_none() -> None:
             late_after(late, run, up, down, lag)
     assert math.isnan(late_after(math.nan, 1.0, 1.0, 1.0, 0.5))
     assert math.isnan(late_after(1.0, math.nan, 1.0, 1.0, 0.5))
+    assert math.isnan(late_after(math.nan, 1.0, 1.0, 1.0, 0.0))
 
 
 def test_a_soft_knee_settles_exponentially(alone: Alone) -> None:
