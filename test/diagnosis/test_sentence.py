@@ -64,7 +64,11 @@ CLAUSES = [
     ("contact", {"position": 15.2e-6}, ["beyond x = 15.2 µm", "2.0 N for each µm"]),
     ("contact", {"position": 2e-6, "side": -1.0, "exponent": 1.5}, ["below x = 2.00 µm", "depth"]),
     ("friction", {"coulomb": 12.0, "stiffness": 2e7, "excess": 0.0}, ["600 nm", "12 N"]),
-    ("restoring_force_hysteresis", {"alpha": 2e6}, ["4.0 % stiffer", "8.3 µm"]),
+    (
+        "restoring_force_hysteresis",
+        {"alpha": 2e6, "beta": 5e5, "gamma": 1e5},
+        ["6.7 % stiffer", "5.0 µm"],
+    ),
     ("backlash", {"play": 2.1e-7}, ["play", "210 nm"]),
     ("extra_resonance", {"frequency": 212.4, "damping": 0.021}, ["212 Hz", "ratio 0.021"]),
     ("sensor_lag", {"averaging": 2e-3, "time_constant": 0.0}, ["averages over 2.0 ms"]),

@@ -115,7 +115,7 @@ def memory(values: Values) -> float:
 
 
 def says(values: Values, scales: Scales) -> str:
-    """Of a turn from where z no longer changes, if the stroke is long enough for that.
+    """Of a turn from where z no longer changes; within a shorter stroke it is less stiff.
 
     There |z|^n = alpha / (beta + gamma): on the way back z changes by alpha + (beta - gamma) |z|^n
     a metre, and with n = 1 goes to its other end as e^-(beta + gamma) |x|.
@@ -125,12 +125,15 @@ def says(values: Values, scales: Scales) -> str:
     slipping, ends = values["alpha"] - bending, bending > 0.0 and forgetting > 0.0
     bent = FORGOTTEN * (bending / forgetting) ** (1.0 / values["n"]) / bending if ends else 0.0
     way = max(bent, 2.0 * values["widest"] if slipping > 0.0 else 0.0)
-    if values["alpha"] == 0.0 or (bending > 0.0 and not ends) or way > scales.stroke:
-        return "the restoring force has hysteresis: it remembers where the finger has been"
-    stiffer = slipping + (2.0 * bending * values["beta"] / forgetting if ends else 0.0)
+    text = "the restoring force has hysteresis: "
+    if values["alpha"] == 0.0 or (bending > 0.0 and not ends):
+        return f"{text}it remembers where the finger has been"
+    most = slipping + (2.0 * bending * values["beta"] / forgetting if ends else 0.0)
+    stiffer = f"{percent(most / scales.stiffness)} stiffer"
+    if way > scales.stroke:
+        return f"{text}after a reversal it is up to {stiffer}, and remembers for more than a stroke"
     return (
-        "the restoring force has hysteresis: after each reversal it is "
-        f"{percent(stiffer / scales.stiffness)} stiffer, until the finger has moved about "
+        f"{text}after each reversal it is {stiffer}, until the finger has moved about "
         f"{quantity(way, 'm')}"
     )
 

@@ -290,7 +290,9 @@ def test_it_says_how_far_it_remembers() -> None:
     forgotten = advance(saturated, -15e-6, 2e6, 5e5, -3e5, 1.0)
     assert abs(forgotten + saturated) < 0.1 * 2.0 * saturated
     longer = says(values | {"distributed": 0.0, "gamma": -4e5}, SCALES)
-    assert longer.endswith("it remembers where the finger has been")
+    assert longer.endswith("up to 40 % stiffer, and remembers for more than a stroke")
+    growing = says(values | {"distributed": 0.0, "gamma": -6e5}, SCALES)
+    assert growing.endswith("it remembers where the finger has been")
 
 
 @pytest.mark.parametrize("rest", [60.0, 10.0])
