@@ -1,6 +1,6 @@
 # make demo   the gripper, simulated, controlled, recorded and identified; results in out/demo
 # make paper  every table and figure of the paper, recomputed; results in out/paper
-# make bench  how fast it is, some 12 minutes; results in out/bench and docs/performance.md
+# make bench  how fast it is, some 20 minutes; results in out/bench and docs/performance.md
 # make test   style, types and all tests
 # make chaos  a million hostile messages, hundreds of dead nodes, a bad network, overload; ten minutes
 # make fuzz   readers of bags, CSV and models, given thousands of broken ones; four minutes
