@@ -34,14 +34,19 @@ def cache_folder() -> Path:
     """
     digest = hashlib.sha256(numba.__version__.encode())
     for room in ROOMS_WITH_COMPILED_CODE:
-        for source in sorted((PACKAGE / room).rglob("*.py")):
-            digest.update(str(source.relative_to(PACKAGE)).encode())
-            digest.update(source.read_bytes())
+        add_sources(digest, PACKAGE, room)
     name = digest.hexdigest()[:16]
     for home in _homes():
         if _can_be_written(home):
             return home / name
     return Path(tempfile.mkdtemp(prefix="microgripper_control-"))
+
+
+def add_sources(digest: hashlib._Hash, root: Path, room: str = "") -> None:
+    """Have a hash depend on every source in a room below `root`, and on where in there it lies."""
+    for source in sorted((root / room).rglob("*.py")):
+        digest.update(str(source.relative_to(root)).encode())
+        digest.update(source.read_bytes())
 
 
 def _homes() -> Iterator[Path]:

@@ -12,14 +12,7 @@ from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.diagnosis.diagnose import candidate_names
 from microgripper_control.examination import asking
 from microgripper_control.examination import run as running
-from microgripper_control.examination.asking import (
-    ANSWERED,
-    FAILED,
-    LATE,
-    UNMADE,
-    Asked,
-    ask,
-)
+from microgripper_control.examination.asking import ANSWERED, FAILED, LATE, UNMADE, Asked, ask
 from microgripper_control.examination.beside.compare import METHODS, compare
 from microgripper_control.examination.folder import Folder
 from microgripper_control.examination.plan import Planned

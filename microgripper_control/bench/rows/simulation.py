@@ -26,17 +26,16 @@ METHODS = ("RK45", "DOP853", "LSODA", "Radau", "BDF")
 RTOLS = (1e-3, 1e-6, 1e-9, 1e-12)
 ATOLS = (1e-2, 1e-3, 3e-4, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)  # um
 ACCURACY = 1e-9  # m: what an integrator's error may be at most
-SHORT = 3000  # samples, for the integrators: on fewer a loose setting may be lucky
+SHORT = 3000  # samples, for the slow rivals; on fewer a loose tolerance may be lucky
 STRETCH = 50  # of them, on which their settings are compared
 TRIES = 2  # of which the faster counts
-LOOPED = 3000  # samples, for the numpy loop
 GOALS = {"solve_ivp": at_least(100.0), "odeint": at_least(20.0), "C": at_least(0.8)}
 
 
 def measure(effort: Effort) -> Measured:
     """As `Row` says."""
     long = rig.voltage()
-    short, loop = long[:SHORT], long[:LOOPED]
+    short = long[:SHORT]
     values, step, model = rig.nominal_values(), rig.mechanics_step(), nominal_model()
     script = Script(values, short, rig.SAMPLE_PERIOD)
     solve_ivp, odeint = choose_solve_ivp(script), choose_odeint(script)
@@ -48,7 +47,7 @@ def measure(effort: Effort) -> Measured:
         ),
         "solve_ivp": Contestant(solve_ivp.solve, len(short)),
         "odeint": Contestant(odeint.solve, len(short)),
-        "numpy": Contestant(lambda: numpy_loop(values, step, loop), len(loop)),
+        "numpy": Contestant(lambda: numpy_loop(values, step, short), len(short)),
     }
     about = {
         "solve_ivp": f"scipy {solve_ivp.about}",
@@ -80,7 +79,7 @@ def measure(effort: Effort) -> Measured:
     ]
     note = (
         f"{len(long)} samples at 1 kHz; the integrators and the loop run on their first "
-        f"{len(short)} and {len(loop)}. The voltage runs straight between the samples for the "
+        f"{len(short)}. The voltage runs straight between the samples for the "
         "integrators, and is held for the loop and C. Ours is exact up to rounding; of each "
         f"integrator the fastest of {len(RTOLS)} rtol by {len(ATOLS)} atol, and of solve_ivp's "
         "methods, that is within 1 nm on these samples is taken, which favours it: solve_ivp is "

@@ -14,7 +14,7 @@ from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.data.residuals import fitted_residuals
 from microgripper_control.diagnosis.fits.fitting import base_of
 from microgripper_control.diagnosis.fits.trial import Trial, added, unfitted
-from microgripper_control.diagnosis.search.attempt import Scrutiny, attempt, behind
+from microgripper_control.diagnosis.search.attempt import behind
 from microgripper_control.diagnosis.search.clocked_lags import on_the_sensors_clock
 from microgripper_control.diagnosis.search.finishing import POLISHED, refined
 from microgripper_control.diagnosis.search.labour import (
@@ -26,10 +26,9 @@ from microgripper_control.diagnosis.search.labour import (
     may_join,
 )
 from microgripper_control.diagnosis.search.pool import Pool, is_read_off, strongest
-from microgripper_control.diagnosis.search.resettling import again_if_settled
+from microgripper_control.diagnosis.search.resettling import afresh, again_if_settled
 from microgripper_control.diagnosis.search.rounds import Progress, play, silent
 from microgripper_control.diagnosis.search.schedule import side_by_side
-from microgripper_control.diagnosis.search.stretches import PART
 from microgripper_control.diagnosis.signs.signatures import signatures
 from microgripper_control.effects.registry import registry
 
@@ -195,16 +194,20 @@ def _begin_anew(pool: Pool, progress: Progress, jobs: int) -> None:
     effects = added(evidence, best)
     if len(effects) < 2 or not pool.leaves_a_rest(best) or is_costly(evidence, best.model):
         return
-    whole = Scrutiny(PART, known=best.fitted_rmse)
-    names = sorted(name for name in effects if not is_read_off(name))
     progress("the best of them anew", 0, 1)
     tasks = [
-        (evidence, [base_of(evidence, unfitted(evidence, _without(best, name)))], name, whole)
-        for name in names
+        (
+            evidence,
+            base_of(evidence, unfitted(evidence, _without(best, name))),
+            name,
+            best.fitted_rmse,
+        )
+        for name in sorted(effects)
+        if not is_read_off(name)
     ]
-    for _, found, _ in side_by_side(attempt, tasks, jobs):
-        if found is not None:
-            pool.add(refined(evidence, found, POLISHED, 60))
+    for trials in side_by_side(afresh, tasks, jobs):
+        for trial in trials:
+            pool.add(trial)
 
 
 def _without(trial: Trial, name: str) -> Trial:

@@ -5,6 +5,7 @@ The first periods have chosen where the fits go on from.
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 from microgripper_control.diagnosis.data.evidence import Evidence
@@ -50,7 +51,7 @@ def again_if_settled(pool: Pool, jobs: int) -> Pool:
             for name, trial in _of_one_effect(pool, BEGUN).items()
             if not is_costly(evidence, trial.model)
         ]
-        for trials in side_by_side(_afresh, tasks, jobs):
+        for trials in side_by_side(afresh, tasks, jobs):
             for trial in trials:
                 settled.add(trial)
     return min(pool, settled, key=lambda one: min(t.rmse for t in (one.refit, *one.tried.values())))
@@ -71,7 +72,10 @@ def _as_it_was(settled: Evidence, trial: Trial) -> Trial:
     return replace(unfitted(settled, trial), errors=trial.errors)
 
 
-def _afresh(evidence: Evidence, base: Base, name: str) -> list[Trial]:
-    """The best fit of an effect from first guesses, as it is and fitted on to the end."""
-    found = attempt(evidence, [base], name, Scrutiny(PART))[1]
+def afresh(evidence: Evidence, base: Base, name: str, known: float = math.inf) -> list[Trial]:
+    """The best fit of an effect from first guesses, as it is and fitted on to the end.
+
+    `known` is what the best of the others leaves, m.
+    """
+    found = attempt(evidence, [base], name, Scrutiny(PART, known=known))[1]
     return [] if found is None else [found, refined(evidence, found, POLISHED, 60)]

@@ -71,12 +71,23 @@ def shown(values: Values, time: Array) -> dict[str, int]:
     clear = CLEAR / (step * len(time))
     lines: dict[str, float] = {}
     for name, n in HARMONICS.items():
-        cycles = n * values["frequency"] * step
-        line = abs(cycles - round(cycles)) / step
-        ends = min(line, 0.5 / step - line)
-        if n == 1 or (2.0 * ends > clear and all(abs(line - f) > clear for f in lines.values())):
+        line = folded(n * values["frequency"], step)
+        if n == 1 or (
+            _is_clear(line, step, clear) and all(abs(line - f) > clear for f in lines.values())
+        ):
             lines[name] = line
     return {name: HARMONICS[name] for name in lines}
+
+
+def folded(frequency: float, step: float) -> float:
+    """Where the line of a frequency shows, Hz, if a sample is taken every `step`, s."""
+    cycles = frequency * step
+    return abs(cycles - round(cycles)) / step
+
+
+def _is_clear(line: float, step: float, clear: float) -> bool:
+    """Whether a line and its image in zero, or in half the rate, are `clear`, Hz, apart."""
+    return 2.0 * min(line, 0.5 / step - line) > clear
 
 
 def courses(values: Values, time: Array) -> Array:
@@ -105,19 +116,12 @@ def starts(scales: Scales) -> Sequence[Values]:
 
     Also beside them where the sampling folds harmonics into lines all around.
     """
-    found = []
-    for line in (50.0, 60.0):
-        highest = 0.5 / scales.sample_period / line
-        beside = (0.0,) if highest > FOLDING else (0.0, *BESIDE)
-        found += [{"frequency": line + away} for away in beside if _is_clear(line + away, scales)]
-    return found
-
-
-def _is_clear(frequency: float, scales: Scales) -> bool:
-    """Whether its line, folded by the sampling, lies clear of zero and of half the rate."""
-    cycles = frequency * scales.sample_period
-    line = abs(cycles - round(cycles))
-    return min(line, 0.5 - line) / scales.sample_period > 0.5 * CLEAR / scales.duration
+    step, clear = scales.sample_period, CLEAR / scales.duration
+    tried = []
+    for mains in (50.0, 60.0):
+        highest = 0.5 / step / mains
+        tried += [mains + away for away in ((0.0,) if highest > FOLDING else (0.0, *BESIDE))]
+    return [{"frequency": f} for f in tried if _is_clear(folded(f, step), step, clear)]
 
 
 def says(values: Values, scales: Scales) -> str:
