@@ -65,3 +65,20 @@ def advance_lag(c: Array, away: float, v: float, rise: float) -> tuple[float, fl
         c[0] * away + (c[1] * v + c[4] * rise),
         c[2] * away + (c[3] * v + c[5] * rise),
     )
+
+
+@compiled
+def follow(rows: Array, state: Array, signal: Array, share: float) -> None:
+    """Turn a signal u, shape (n,), into u + share (y - u), y its lag; rows from `lag_rows`.
+
+    State: y - u, y', u so far.
+    """
+    away, v, old = state[0], state[1], state[2]
+    row = 0
+    for j in range(signal.shape[0]):
+        new = signal[j]
+        away, v = advance_lag(rows[row], away, v, new - old)
+        old = new
+        signal[j] = new + share * away
+        row = row + 1 if row + 1 < rows.shape[0] else 0
+    state[0], state[1], state[2] = away, v, old

@@ -11,6 +11,7 @@ step before is its course:
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,7 +53,7 @@ class Timing:
     ) -> Timing:
         """Divide a sample period at `jumps` of a stepped voltage and `breaks`, shares in [0, 1)."""
         edges = [*sorted({0.0} | jumps | breaks), 1.0]
-        steps = tuple(float(d) * sample_period for d in np.diff(edges))
+        steps = tuple((end - begin) * sample_period for begin, end in pairwise(edges))
         quiet = frozenset(i for i, edge in enumerate(edges[:-1]) if edge not in jumps)
         return cls(sample_period, steps, ramped, quiet)
 
@@ -63,4 +64,4 @@ class Timing:
 
     def with_course(self, ramped: bool) -> Timing:
         """The same grid for a signal of the given course."""
-        return replace(self, ramped=ramped)
+        return self if ramped == self.ramped else replace(self, ramped=ramped)

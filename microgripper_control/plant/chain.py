@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from microgripper_control.core.signals import (
@@ -44,21 +46,24 @@ class Chain:
         random: bool = False,
         reading_age: float = 0.0,
     ) -> None:
-        links = [link for link in model.links if random or not link.random]
-        jumps, breaks = _edges(model, links, sample_period, hold)
+        links = [(link, model.values(link.name)) for link in model.links]
+        links = [(link, values) for link, values in links if random or not link.random]
+        clock = model.clock
+        jumps, breaks = _edges(links, sample_period, hold, clocked=clock > 0.0)
         jumps |= {i / divisions for i in range(divisions)}
         self.timing = timing = Timing.divide(sample_period, jumps, breaks, hold is not Hold.ZERO)
-        levels = np.append(levels, np.zeros(LEVELS - ROWS))
-        levels[[LOW + VOLTAGE, HIGH + VOLTAGE]] = model.voltage_range
+        levels = _with_ends(levels, model.voltage_range)
         self._continuous: list[tuple[Kernel, Array, Array]] = []
         self._clock: Prepared | None = None  # of a sensor that has one
         self._sampled: list[tuple[Kernel, Array, Array]] = []
         self._lasting: list[Array] = []
-        loads: list[Load] = [(link.force, model.values(link.name)) for link in links if link.force]
-        for link in (link for link in links if not link.force):
+        loads: list[Load] = [(link.force, values) for link, values in links if link.force]
+        for link, values in links:
+            if link.force:
+                continue
             if not link.sampled:
                 self.rest_position = float(levels[POSITION])
-            kernel, prepared = _ready(link, model.values(link.name), timing, levels, loads)
+            kernel, prepared = _ready(link, values, timing, levels, loads)
             timing = timing.with_course(prepared.ramped)
             group = self._sampled if link.sampled else self._continuous
             group.append((kernel, prepared.coefficients, prepared.state))
@@ -66,8 +71,8 @@ class Chain:
                 self._lasting.append(prepared.state)
             if not link.sampled:
                 self.rest_position = float(levels[POSITION])
-        if model.clock > 0.0:
-            self._clock = conversion_clock.prepare(model.clock, reading_age, timing, levels)
+        if clock > 0.0:
+            self._clock = conversion_clock.prepare(clock, reading_age, timing, levels)
 
     @property
     def steps(self) -> int:
@@ -149,6 +154,14 @@ class Chain:
         _run(self._sampled, bus)
 
 
+def _with_ends(rows: Array, voltage_range: tuple[float, float]) -> Array:
+    """Levels of which only these rows and the drive's ends are known."""
+    levels = np.zeros(LEVELS)
+    levels[:ROWS] = rows
+    levels[LOW + VOLTAGE], levels[HIGH + VOLTAGE] = voltage_range
+    return levels
+
+
 def _run(links: list[tuple[Kernel, Array, Array]], bus: Array) -> None:
     """Run links, with what they have prepared, one after the other."""
     for kernel, coefficients, state in links:
@@ -174,13 +187,12 @@ def _ready(
 
 
 def _edges(
-    model: Model, links: list[Link], sample_period: float, hold: Hold
+    links: Sequence[tuple[Link, Values]], sample_period: float, hold: Hold, *, clocked: bool
 ) -> tuple[set[float], set[float]]:
     """Where in a sample period a held voltage jumps, and where links want it divided, as shares."""
     jumps, breaks = {0.0}, {0.0}
-    followed = hold is Hold.ZERO and (model.clock > 0.0 or any(link.follows for link in links))
-    for link in links:
-        values = model.values(link.name)
+    followed = hold is Hold.ZERO and (clocked or any(link.follows for link, _ in links))
+    for link, values in links:
         jumps |= link.jumps(values, sample_period)
         breaks |= link.breaks(values, sample_period)
         if hold is not Hold.BANDLIMITED:

@@ -28,7 +28,7 @@ from microgripper_control.plant.chain import Chain
 from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model
 
-BLOCK = 8192  # internal steps on the bus at a time: it stays in the cache, whatever the length
+BLOCK = 32768  # internal steps on the bus at a time: memory stays bounded, whatever the length
 
 # drive(bus, begin): fill in the voltage of a block that begins at the sample `begin`.
 Drive = Callable[[Array, int], None]

@@ -97,6 +97,22 @@ def test_a_lag_promises_nothing_where_it_should_be_negative() -> None:
     assert all(guess.left > guess.least for guess in found)
 
 
+@pytest.mark.parametrize(("amplitude", "found"), [(0.0, []), (7e-9, [50.0])])
+def test_a_hum_that_takes_nothing_away_is_no_start(amplitude: float, found: list[float]) -> None:
+    """Beside much creep: its courses are as strong as fits best already."""
+    paper = nominal_model()
+    t = 1e-3 * np.arange(20_000)
+    voltage = 75.0 - 75.0 * np.cos(2.0 * np.pi * 0.4 * t)
+    rig = paper.with_link("creep", strength=0.05)
+    hum = amplitude * np.sin(2.0 * np.pi * 50.0 * t + 1.0)
+    noise = np.random.default_rng(5).normal(0.0, 10e-9, len(t))
+    recording = Recording("run", 1e-3, voltage, simulate(rig, voltage, 1e-3) + hum + noise)
+    evidence = Evidence.gather([recording], (), Conditions(), paper)
+    base = base_of(evidence, refit_trial(evidence, nominal_trial(evidence, paper)))
+    starts = guesses(evidence, [base], "mains_hum", 4)
+    assert [guess.model.value("mains_hum", "frequency") for guess in starts] == found
+
+
 def test_beside_what_has_courses_a_guess_is_made_stronger_as_well() -> None:
     """Creep is projected off, and says nothing of how strong a stiffening should be."""
     paper = nominal_model()

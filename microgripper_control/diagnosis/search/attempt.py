@@ -105,7 +105,7 @@ def _attempt(
     scrutiny = scrutiny.where_shown(bases[0].trial.fitted_rmse, shown)
     found = _from_all_starts(part, anchors, name, scrutiny)
     if not found:
-        return None, "no start could be fitted"
+        return None, "no first guess explains anything"
     found.sort(key=lambda trial: trial.fitted_rmse)
     if part is evidence:
         return _best_judged(evidence, found), ""

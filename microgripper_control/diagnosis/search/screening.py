@@ -26,7 +26,8 @@ RESCALED = 4  # guesses whose strength is corrected, and as many that are kept a
 OTHERS = 2  # kinds beside the best that are fitted from their best guess
 RIGHT = 0.05  # of its strength: a guess that is off by less is as strong as it should be
 STRONGEST = 30.0  # times, and weakest 1/30: the furthest correction
-IDLE = 1e-4  # of the gap's power: a guess that changes less is no start
+IDLE = 1e-4  # of the gap's power: a guess that changes less is the last choice,
+NOTHING = 1e-3  # and what is courses alone, and takes less away, is none
 
 
 @dataclass(frozen=True)
@@ -104,7 +105,7 @@ def kind(model: Model, effect: str) -> tuple[object, ...]:
 
 
 def _judge(evidence: Evidence, base: Base, effect: str, model: Model) -> Guess | None:
-    """What a refit could leave with a guess; None where it cannot be simulated."""
+    """What a refit could leave with a guess; None where that is no start or not to be simulated."""
     problem = problem_of(evidence, model, base.trial.free)
     z = problem.point(model, base.trial.initial_hysteresis)
     try:
@@ -114,7 +115,8 @@ def _judge(evidence: Evidence, base: Base, effect: str, model: Model) -> Guess |
     if residual.shape != base.residual.shape or not np.all(np.isfinite(residual)):
         return None
     rest, basis = base.residual, base.basis
-    own = registry()[effect].courses is not no_courses
+    link = registry()[effect]
+    own = link.courses is not no_courses
     if own:
         rest = problem.projected(z, rest[:, None])[:, 0]
         basis = np.linalg.qr(problem.projected(z, basis))[0]
@@ -126,6 +128,9 @@ def _judge(evidence: Evidence, base: Base, effect: str, model: Model) -> Guess |
     )
     left = power - 2.0 * match + size
     if own:  # courses are as strong as fits best already
+        before = Projection(base.basis)(base.residual)
+        if link.random and left > (1.0 - NOTHING) * float(before @ before):
+            return None
         return Guess(base, model, left, least=left, strength=1.0, idle=False)
     strength = match / size if size > 0.0 else 0.0
     if strength < 0.0 and not _may_turn(model, effect):

@@ -24,7 +24,7 @@ from dataclasses import replace
 import numpy as np
 
 from microgripper_control.core.compiled import compiled
-from microgripper_control.core.lag import advance_lag, lag_rows, order
+from microgripper_control.core.lag import follow, lag_rows, order
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import quantity
 from microgripper_control.core.signals import VOLTAGE, Array, Timing
@@ -46,36 +46,23 @@ def bends(values: Values, sample_period: float) -> set[float]:
 
 @compiled
 def kernel(coefficients: Array, state: Array, bus: Array) -> None:
-    """State: w - u, w', u so far, and, if there is a third lag, the same of its output and w.
-
-    The coefficients' second half are those of the third lag.
-    """
-    away, v, old = state[0], state[1], state[2]
-    further = state.shape[0] > 3
-    steps = coefficients.shape[0] // 2 if further else coefficients.shape[0]
-    row = 0
-    for j in range(bus.shape[1]):
-        new, before = bus[VOLTAGE, j], old + away
-        away, v = advance_lag(coefficients[row], away, v, new - old)
-        old, w = new, new + away
-        bus[VOLTAGE, j] = w
-        if further:
-            state[3], state[4] = advance_lag(
-                coefficients[steps + row], state[3], state[4], w - before
-            )
-            bus[VOLTAGE, j] = w + state[3]
-        row = row + 1 if row + 1 < steps else 0
-    state[0], state[1], state[2] = away, v, old
+    """State and coefficients are those of `follow`, for a third lag once more after them."""
+    lags = state.shape[0] // 3
+    steps = coefficients.shape[0] // lags
+    for lag in range(lags):
+        rows = coefficients[lag * steps : (lag + 1) * steps]
+        follow(rows, state[3 * lag : 3 * lag + 3], bus[VOLTAGE], 1.0)
 
 
 def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     """The levels are left alone: the gain at rest is one."""
     third = values["third"] * values["lag"]
     lag = values["lag"] - third
-    rows, state = lag_rows(lag, values["curvature"] * lag**2, timing), [0.0, 0.0, levels[VOLTAGE]]
+    rows = lag_rows(lag, values["curvature"] * lag**2, timing)
+    state = [0.0, 0.0, levels[VOLTAGE]]
     if third > 0.0:
         rows = np.vstack([rows, lag_rows(third, 0.0, replace(timing, ramped=True))])
-        state += [0.0, 0.0]
+        state *= 2
     return Prepared(rows, np.array(state), ramped=True)
 
 

@@ -187,7 +187,9 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
     u, h = state[0], state[1]
     for j in range(bus.shape[1]):
         new = bus[VOLTAGE, j]
-        h = advance(h, new - u, a, beta, gamma, n)
+        du = new - u
+        if du != 0.0:  # a held voltage moves once a sample, however many steps that has
+            h = advance(h, du, a, beta, gamma, n)
         u = new
         bus[HYSTERESIS, j] = h
         bus[FREE, j] = d * u - h

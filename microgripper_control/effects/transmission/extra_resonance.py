@@ -22,7 +22,7 @@ from collections.abc import Collection, Mapping, Sequence
 import numpy as np
 
 from microgripper_control.core.compiled import compiled
-from microgripper_control.core.lag import advance_lag, lag_rows
+from microgripper_control.core.lag import advance_lag, follow, lag_rows
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import number, quantity
 from microgripper_control.core.signals import POSITION, Array, Timing
@@ -35,6 +35,10 @@ TURN = 0.6  # rad of the mode between two kicks: they do what they should within
 @compiled
 def kernel(coefficients: Array, state: Array, bus: Array) -> None:
     """State: q - x, q', x so far. A row ends with step drag, step w^2 hardening and share."""
+    share = coefficients[0, 8]
+    if not (coefficients[0, 6] or coefficients[0, 7]):
+        follow(coefficients, state, bus[POSITION], share)
+        return
     away, v, old = state[0], state[1], state[2]
     steps, row = coefficients.shape[0], 0
     for j in range(bus.shape[1]):
@@ -42,9 +46,8 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
         x = bus[POSITION, j]
         away, v = advance_lag(c, away, v, x - old)
         old = x
-        if c[-3] != 0.0 or c[-2] != 0.0:
-            v = (v - c[-2] * away * away * away) / (1.0 + c[-3] * abs(v))
-        bus[POSITION, j] = x + c[-1] * away
+        v = (v - c[7] * away * away * away) / (1.0 + c[6] * abs(v))
+        bus[POSITION, j] = x + share * away
         row = row + 1 if row + 1 < steps else 0
     state[0], state[1], state[2] = away, v, old
 
