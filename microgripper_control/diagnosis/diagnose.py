@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.diagnosis.answers import answer
@@ -27,11 +27,11 @@ from microgripper_control.diagnosis.findings import (
 from microgripper_control.diagnosis.fits.fitting import FINE
 from microgripper_control.diagnosis.fits.hold_check import hold_warnings
 from microgripper_control.diagnosis.fits.identified_model import identified
-from microgripper_control.diagnosis.fits.trial import Trial, judged
+from microgripper_control.diagnosis.fits.trial import Trial, added, judged
 from microgripper_control.diagnosis.fits.unseen import unseen_gap, unseen_warning
 from microgripper_control.diagnosis.search.exploration import alone, together
 from microgripper_control.diagnosis.search.finishing import refined
-from microgripper_control.diagnosis.search.pool import Pool
+from microgripper_control.diagnosis.search.pool import Pool, is_read_off
 from microgripper_control.diagnosis.search.refit import nominal_trial, refits
 from microgripper_control.diagnosis.search.rounds import Progress, silent
 from microgripper_control.diagnosis.signs.freeform import explainable
@@ -97,7 +97,7 @@ def diagnose(
     found = answer.candidates(given.weighed, pool, names, signs, given.model)
     before, refit, best = (
         on_all(explored.whole, explored.lean, trial)
-        for trial in (explored.nominal, pool.refit, given.best)
+        for trial in (explored.nominal, pool.refit, _as_it_foretells(pool.evidence, given.best))
     )
     free_form = explainable(fitted, judging, pool.noise_floor)
     gap = _gap(explored.whole, pool.noise_floor, before, refit, best, free_form)
@@ -188,6 +188,19 @@ def _next(weighed: Weighed, pool: Pool) -> NextExperiment | None:
     rivals = [trial.model for trial in answer.rivals(weighed, pool)]
     evidence = pool.evidence
     return next_experiment(rivals, evidence.fitted[0], evidence.conditions, pool.noise_floor)
+
+
+def _as_it_foretells(evidence: Evidence, trial: Trial) -> Trial:
+    """An explanation, its readings rounded by a grid or as they are before: what comes nearer.
+
+    Which way a reading is rounded no model foretells; where it is off by much of a step, to round
+    its prediction as well only adds to that.
+    """
+    rounding = [name for name in added(evidence, trial) if is_read_off(name)]
+    if not rounding:
+        return trial
+    smooth = judged(evidence, replace(trial, model=trial.model.without(rounding)))
+    return min(trial, smooth, key=lambda one: one.both)
 
 
 def on_all(whole: Evidence, lean: Evidence, trial: Trial) -> Trial:

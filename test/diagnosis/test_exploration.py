@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -49,6 +50,41 @@ def test_on_settled_evidence_no_effect_is_tried_beside_itself(
     assert all(name not in effects for name, effects in tried)
 
 
+def exchanged(
+    monkeypatch: pytest.MonkeyPatch,
+    closed: Mapping[tuple[str, ...], float],
+    *,
+    rest: bool = False,
+    costly: Collection[str] = (),
+) -> list[tuple[str, str]]:
+    """What is tried beside which effect of a pair, of a gap that was closed so far.
+
+    `rest`: the pair leaves more than noise.
+    """
+    played: list[tuple[str, str]] = []
+
+    def play(evidence: object, bases: Any, names: list[str], *given: object) -> None:  # noqa: ANN401
+        played.extend((bases[0].effects[0], name) for name in names)
+
+    monkeypatch.setattr(exploration, "is_costly", lambda evidence, model: model[0] in costly)
+    monkeypatch.setattr(exploration, "may_join", lambda evidence, trial, effect: True)
+    monkeypatch.setattr(exploration, "base_of", lambda evidence, trial: trial)
+    monkeypatch.setattr(exploration, "play", play)
+    tried = {frozenset(e): SimpleNamespace(effects=e, model=e) for e in closed}
+    pool: Any = SimpleNamespace(
+        evidence=EVIDENCE,
+        tried=tried,
+        closed=lambda trial: closed[trial.effects],
+        leaves_a_rest=lambda trial: rest,
+        best=lambda size, count: sorted(
+            (t for e, t in tried.items() if len(e) == size), key=lambda t: -closed[t.effects]
+        )[:count],
+    )
+    names = [effects[0] for effects in closed if len(effects) == 1]
+    exploration._exchange(names, pool, lambda *done: None, 1)
+    return played
+
+
 def test_in_the_place_of_one_of_two_is_tried_what_explains_as_much_alone(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -60,48 +96,39 @@ def test_in_the_place_of_one_of_two_is_tried_what_explains_as_much_alone(
         ("creep",): 0.45,
         ("contact", "creep"): 0.90,
     }
-    tried = {frozenset(e): SimpleNamespace(effects=e, model=e) for e in closed}
-    costly: set[tuple[str, ...]] = set()
-    rest = [False]
-    played: list[tuple[str, str]] = []
-
-    def play(evidence: object, bases: Any, names: list[str], *given: object) -> None:  # noqa: ANN401
-        played.extend((bases[0].effects[0], name) for name in names)
-
-    monkeypatch.setattr(exploration, "is_costly", lambda evidence, model: model in costly)
-    monkeypatch.setattr(exploration, "may_join", lambda evidence, trial, effect: True)
-    monkeypatch.setattr(exploration, "base_of", lambda evidence, trial: trial)
-    monkeypatch.setattr(exploration, "play", play)
-    pool: Any = SimpleNamespace(
-        evidence=EVIDENCE,
-        tried=tried,
-        closed=lambda trial: closed[trial.effects],
-        leaves_a_rest=lambda trial: rest[0],
-        best=lambda size, count: sorted(
-            (t for e, t in tried.items() if len(e) == size), key=lambda t: -closed[t.effects]
-        )[:count],
-    )
-    names = ["contact", "saturation", "nonlinear_stiffness", "creep"]
-    exploration._exchange(names, pool, lambda *done: None, 1)
-    assert played == [("creep", "saturation"), ("contact", "saturation")]
-    rest[0] = True  # where the two leave a rest, all others may be meant
-    costly.add(("contact",))
-    played.clear()
-    exploration._exchange(names, pool, lambda *done: None, 1)
+    alike = [("creep", "saturation"), ("contact", "saturation")]
+    assert exchanged(monkeypatch, closed) == alike
+    # Where the two leave a rest, all others may be meant, but beside a costly one few.
     beside_creep = [("creep", "saturation"), ("creep", "nonlinear_stiffness")]
-    assert played == [*beside_creep, ("contact", "saturation")]  # beside a costly one few
-    costly.add(("nonlinear_stiffness",))
-    played.clear()
-    exploration._exchange(names, pool, lambda *done: None, 1)
-    assert played == [*beside_creep, ("contact", "saturation")]
-    costly.remove(("contact",))  # a costly one takes a costly one's place, and no other
-    played.clear()
-    exploration._exchange(names, pool, lambda *done: None, 1)
-    assert played == [("creep", "saturation"), ("contact", "saturation")]
-    closed["contact", "creep"] = 0.60  # a second effect that adds little is not worth it
-    played.clear()
-    exploration._exchange(names, pool, lambda *done: None, 1)
-    assert not played
+    found = exchanged(monkeypatch, closed, rest=True, costly=["contact"])
+    assert found == [*beside_creep, ("contact", "saturation")]
+    found = exchanged(monkeypatch, closed, rest=True, costly=["contact", "nonlinear_stiffness"])
+    assert found == [*beside_creep, ("contact", "saturation")]
+    # A costly one takes a costly one's place, and no other.
+    assert exchanged(monkeypatch, closed, rest=True, costly=["nonlinear_stiffness"]) == alike
+
+
+@pytest.mark.parametrize(
+    ("pair", "rest", "worth"), [(0.60, True, False), (0.68, True, True), (0.68, False, False)]
+)
+def test_a_pair_that_adds_little_is_taken_apart_if_it_leaves_a_rest_yet_much_less(
+    monkeypatch: pytest.MonkeyPatch, pair: float, rest: bool, worth: bool
+) -> None:
+    closed = {("contact",): 0.50, ("saturation",): 0.48, ("creep",): 0.45}
+    found = exchanged(monkeypatch, closed | {("contact", "creep"): pair}, rest=rest)
+    assert bool(found) == worth
+
+
+def test_a_costly_force_may_take_the_place_of_a_play(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Beside a limit of the slope a play did for friction, which does nothing by itself."""
+    closed = {
+        ("backlash",): 0.55,
+        ("slew_limit",): 0.22,
+        ("friction",): 0.01,
+        ("backlash", "slew_limit"): 0.77,
+    }
+    found = exchanged(monkeypatch, closed, rest=True, costly=["friction"])
+    assert found == [("slew_limit", "friction")]
 
 
 def test_what_would_leave_nearly_all_is_not_fitted_unless_it_is_strong_or_shows(

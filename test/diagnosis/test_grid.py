@@ -101,6 +101,13 @@ def test_what_a_converter_without_each_eighth_code_leaves(owner: float) -> None:
     assert off > 1.3 * Grid.even(STEP).rounding
 
 
+def test_levels_that_a_staircase_passes_over_are_not_missing() -> None:
+    held = rounded(staircase(80))
+    recording = Recording("run", 1e-3, TIME, held)
+    assert grid_of([recording]).step == pytest.approx(STEP, rel=1e-6)
+    assert grid_of([recording]).rounding == pytest.approx(Grid.even(STEP).rounding, rel=0.1)
+
+
 def uneven() -> tuple[Array, Array]:
     """Positions, and readings of them on levels 0.7 to 1.3 steps apart, with noise on top."""
     rng = np.random.default_rng(8)

@@ -19,14 +19,14 @@ SHARP = 0.4  # how far a comb's density follows its step, noise of a fifth of a 
 ALONE = 0.6  # and how far, of that, it may follow any other
 AGAIN = 2.0  # times that a reading is come back to: one that is merely late is not
 MISSING = 1.5  # usual steps: a wider one has a level within that is never shown,
-SURELY = 10  # if both its ends are read so often: else it was passed over,
+CROSSED = 0.5  # if so much of what passes it goes from end to end: else it was leapt over,
 OWNER = 1.5  # and is shown by that end, if by either, that is read so much oftener
 CLEFT = 3.0  # times the widest gap of as many readings at random
 GATHERED = 5  # readings at a level, at least, if noise was added to them
 NARROW = 0.6  # of a step: how far these lie apart
 MOSTLY = 0.8  # of the readings are at such levels
 
-Counts = NDArray[np.intp]
+Indices = NDArray[np.intp]
 
 
 def grid_of(recordings: Sequence[Recording]) -> Grid:
@@ -49,9 +49,9 @@ def _of_half(grids: Sequence[Grid]) -> Grid:
 
 def _on_levels(displacement: Array) -> Grid:
     """The grid that all readings lie on, or come back to."""
-    values, counts = np.unique(displacement, return_counts=True)
+    values, walk = np.unique(displacement, return_inverse=True)
     step = _even_step(values) or _usual_step(displacement, values)
-    return Grid(step, _left_by_rounding(values, counts, step)) if step else NO_GRID
+    return Grid(step, _left_by_rounding(values, walk, step)) if step else NO_GRID
 
 
 def _even_step(values: Array) -> float:
@@ -75,21 +75,33 @@ def _usual_step(displacement: Array, values: Array) -> float:
     return float(np.median(np.diff(values))) if len(values) >= FEWEST and often else 0.0
 
 
-def _left_by_rounding(levels: Array, counts: Counts, step: float) -> float:
-    """What rounding to levels that were read so many times leaves, m rms.
+def _left_by_rounding(levels: Array, walk: Indices, step: float) -> float:
+    """What rounding to levels leaves, m rms; `walk` is which of them each reading shows.
 
     Each level stands for the positions from half way to the one below to half way to the one above.
     """
-    apart = np.diff(levels)
+    apart, counts = np.diff(levels), np.bincount(walk, minlength=len(levels))
     wide = apart > MISSING * step
-    surely = np.minimum(counts[:-1], counts[1:]) >= SURELY
     reach = 0.5 * np.where(wide, step, apart)
     below, above = np.append(0.5 * step, reach), np.append(reach, 0.5 * step)
-    for index in np.flatnonzero(wide & surely):
+    for index in np.flatnonzero(wide & _crossed(walk, len(levels))):
         shared = _shared(apart[index], step, counts[index], counts[index + 1])
         above[index], below[index + 1] = shared
     squares = (below**3 + above**3) / (3.0 * (below + above))  # uniform within each
     return float(np.sqrt(np.average(squares, weights=counts)))
+
+
+def _crossed(walk: Indices, levels: int) -> NDArray[np.bool_]:
+    """Whether the way from each level to the next is mostly gone by itself, shape (levels - 1,).
+
+    Where steps of a staircase leap over levels it is not.
+    """
+    low, high = np.minimum(walk[:-1], walk[1:]), np.maximum(walk[:-1], walk[1:])
+    leaps = np.bincount(low, minlength=levels) - np.bincount(high, minlength=levels)
+    passed = np.cumsum(leaps)[:-1]
+    direct = np.bincount(low[high - low == 1], minlength=levels)[:-1]
+    mostly: NDArray[np.bool_] = direct > CROSSED * passed
+    return mostly
 
 
 def _shared(apart: float, step: float, lower: int, upper: int) -> tuple[float, float]:
@@ -143,14 +155,16 @@ def _gathered(recording: Recording) -> Grid:
     if len(gaps) == 0:
         return NO_GRID
     clefts = np.flatnonzero(gaps > CLEFT * np.log(len(readings)) * np.median(gaps))
-    groups = [group for group in np.split(readings, clefts + 1) if len(group) >= GATHERED]
-    visits = 1 + np.count_nonzero(np.diff(np.searchsorted(readings[clefts], moving)))
-    if len(groups) < FEWEST or visits < AGAIN * len(groups):
+    groups, walk = np.split(readings, clefts + 1), np.searchsorted(readings[clefts], moving)
+    many = np.array([len(group) >= GATHERED for group in groups])
+    visits = 1 + np.count_nonzero(np.diff(walk))
+    if np.sum(many) < FEWEST or visits < AGAIN * np.sum(many):
         return NO_GRID
+    groups = [group for group, gathered in zip(groups, many, strict=True) if gathered]
     levels = np.array([float(np.mean(group)) for group in groups])
-    counts = np.array([len(group) for group in groups])
     step = float(np.median(np.diff(levels)))
-    narrow = np.array([np.ptp(group) for group in groups]) < NARROW * step
-    if np.sum(counts[narrow]) < MOSTLY * len(readings):
+    narrow = [group for group in groups if np.ptp(group) < NARROW * step]
+    if sum(len(group) for group in narrow) < MOSTLY * len(readings):
         return NO_GRID
-    return Grid(step, _left_by_rounding(levels, counts, step))
+    number = np.cumsum(many) - 1  # of the groups that are left
+    return Grid(step, _left_by_rounding(levels, number[walk[many[walk]]], step))

@@ -40,6 +40,7 @@ UNCLOSED_IF_COSTLY = 0.25  # of the gap: what asks for an effect beside a costly
 UNCLOSED_IF_LONG = 0.4  # or ten where its simulation is long: under that only
 SECONDS_IF_LONG = 2  # are tried, the strongest by themselves
 FAIR_PART = 0.2  # of the gap; two independent effects of one size close 0.3 of it each
+MUCH_LESS = 0.7  # of what the best with an effect less leaves: a pair worth taking apart as well
 ALIKE = 0.9  # of what an effect closes alone: what closes as much may be meant in its place,
 EXCHANGED = 2  # so many at most
 RIVAL = 0.7  # of what the best closes: what the second must close to be a leader as well,
@@ -129,6 +130,12 @@ def _adds_much(trial: Trial, pool: Pool) -> bool:
     return pool.closed(trial) - pool.closed(pool.best(size - 1, 1)[0]) > FAIR_PART
 
 
+def _leaves_much_less(trial: Trial, pool: Pool) -> bool:
+    """Whether an explanation leaves much less than those with an effect less."""
+    fewer = pool.best(len(added(pool.evidence, trial)) - 1, 1)[0]
+    return 1.0 - pool.closed(trial) < MUCH_LESS * (1.0 - pool.closed(fewer))
+
+
 def _may_lead(leader: Trial, pool: Pool, size: int, shown: Set[str]) -> bool:
     """Whether one of the best explanations with `size` effects is worth a further one."""
     costly = is_costly(pool.evidence, leader.model)
@@ -168,15 +175,18 @@ def _exchange(names: Sequence[str], pool: Pool, progress: Progress, jobs: int) -
     that stays is costly. What is costly only takes a costly one's place.
     """
     best = pool.best(2, 1)
-    if not best or not _adds_much(best[0], pool):
+    if not best:
         return
-    pair = added(pool.evidence, best[0])
-    wanting = pool.leaves_a_rest(best[0])
+    pair, wanting = added(pool.evidence, best[0]), pool.leaves_a_rest(best[0])
+    if not (_adds_much(best[0], pool) or (wanting and _leaves_much_less(best[0], pool))):
+        return
     for name in sorted(pair):
         replaced, kept = pool.tried.get(frozenset([name])), pool.tried.get(pair - {name})
         if not (replaced and kept):
             continue
-        others = _as_cheap(replaced, _untried_beside(kept, names, pool), pool)
+        others = _untried_beside(kept, names, pool)
+        if not registry()[name].of_the_way:
+            others = _as_cheap(replaced, others, pool)
         if not wanting or is_costly(pool.evidence, kept.model):
             others = _alike(replaced, others, pool)
         if others:
