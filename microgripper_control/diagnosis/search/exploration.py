@@ -172,7 +172,8 @@ def _exchange(names: Sequence[str], pool: Pool, progress: Progress, jobs: int) -
 
     Which of them led was chosen without the other, whose part of the gap misled both. Where the two
     leave more than noise, what promises most beside either is tried, alike or not, unless the one
-    that stays is costly. What is costly only takes a costly one's place.
+    that stays is costly. What is costly only takes a costly one's place, or a play's, which is as
+    much of the way as friction.
     """
     best = pool.best(2, 1)
     if not best:
