@@ -17,8 +17,8 @@ def readings(noise: float) -> Array:
     return 1e-7 * VOLTAGE + noise * np.random.default_rng(1).standard_normal(len(T))
 
 
-def warned(displacement: Array) -> list[str]:
-    return list(reading_warnings(Recording("run.csv", 1e-3, VOLTAGE, displacement)))
+def warned(displacement: Array, voltage: Array = VOLTAGE) -> list[str]:
+    return list(reading_warnings(Recording("run.csv", 1e-3, voltage, displacement)))
 
 
 @pytest.mark.parametrize("noise", [0.0, 15e-9])
@@ -28,6 +28,13 @@ def test_plain_readings_pass(noise: float) -> None:
 
 def test_a_coarse_grid_passes() -> None:
     assert warned(1e-6 * np.rint(readings(15e-9) / 1e-6)) == []
+
+
+@pytest.mark.parametrize("late", [1, 6])
+def test_a_staircase_on_a_coarse_grid_passes(late: int) -> None:
+    voltage = np.repeat(np.random.default_rng(2).uniform(0.0, 150.0, 80), 50)
+    shown = 1e-7 * np.concatenate([np.full(late, voltage[0]), voltage[:-late]])
+    assert warned(1e-6 * np.rint(shown / 1e-6), voltage) == []
 
 
 def test_clipped_readings_are_flagged() -> None:

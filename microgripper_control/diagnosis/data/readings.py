@@ -43,7 +43,10 @@ def reading_warnings(recording: Recording) -> Iterator[str]:
 
 
 def _rows_of_equals(recording: Recording) -> Iterator[tuple[int, int]]:
-    """First and last sample of each row of equal readings that the voltage does not explain."""
+    """First and last sample of each row of equal readings that the voltage does not explain.
+
+    It must go on moving: one step of a staircase shows after as many samples as the rig is late.
+    """
     x, u = recording.measured, recording.voltage
     change = np.flatnonzero(np.diff(x) != 0.0)
     firsts = np.concatenate([[0], change + 1])
@@ -51,7 +54,8 @@ def _rows_of_equals(recording: Recording) -> Iterator[tuple[int, int]]:
     gain = float(np.ptp(x) / np.ptp(u)) if np.ptp(u) > 0.0 else 0.0
     step = grid_of([recording]).step
     allowed = max(MOVES * float(np.ptp(u)), FAR * step / gain if gain > 0.0 else 0.0)
-    long = lasts - firsts >= LONGEST
+    moved = np.cumsum(np.diff(u, prepend=u[0]) != 0.0)
+    long = moved[lasts] - moved[firsts] >= LONGEST
     for first, last in zip(firsts[long], lasts[long], strict=True):
         if np.ptp(u[first : last + 1]) > allowed:
             yield int(first), int(last)
