@@ -186,6 +186,16 @@ def never_unusual(values: Values, scales: Scales) -> float:
     return 0.0
 
 
+# nonsense(values): why values that are each within their range make no sense together, for who
+# wrote them; empty if they do. A fit may pass through such values.
+Nonsense = Callable[[Values], str]
+
+
+def always_sensible(values: Values) -> str:
+    """A link whose parameters do not depend on each other."""
+    return ""
+
+
 # idle(values): names of parameters that change nothing as long as those that are not fitted stay.
 Idle = Callable[[Values], Collection[str]]
 
@@ -282,6 +292,7 @@ class Link:
     starts: Starts = no_starts
     plausible: Plausible = as_declared
     unusual: Unusual = never_unusual
+    nonsense: Nonsense = always_sensible
     idle: Idle = none_idle
     rescaled: Rescaled = nothing_else
     behind: Behind = never_behind

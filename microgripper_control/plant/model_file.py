@@ -119,6 +119,8 @@ def _link_settings(given: object, where: str, link: Link) -> dict[str, Setting]:
     }
     values = {p.name: p.nominal for p in link.parameters}
     values |= {name: setting.value for name, setting in found.items()}
+    if why := link.nonsense(values):
+        raise MicrogripperError(f"{where}: {why}")
     unused = link.idle(values)
     strong = any(link.parameter(name).vanishing is not None for name in found)
     for p in link.parameters:

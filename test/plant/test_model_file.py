@@ -129,6 +129,10 @@ FAULTS = {
     "out of range": (SOUND.replace("0.0038", "-1"), "second_order: m = -1", "1e-09 .. 1000 kg"),
     "effect out of range": (SOUND.replace("0.001", "7"), "transport_delay: delay = 7", "0 .. 1 s"),
     "empty range": (SOUND.replace("low: -20.0", "low: 150"), "voltage", "150 must be below high"),
+    "levels the wrong way round": (
+        SOUND + "  saturation: {low: {value: 150, unit: V}, high: {value: -20, unit: V}}\n",
+        "effects: saturation: low 150 V must be below high -20 V",
+    ),
     "half an interval": (SOUND.replace("0.0038,", "0.0038, low: 1,"), "m: high: None is not"),
     "an interval of text": (
         SOUND.replace("0.0038,", "0.0038, low: a, high: b,"),

@@ -54,6 +54,11 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     return Prepared(np.array([row]), np.zeros(0), timing.ramped)
 
 
+def nonsense(values: Values) -> str:
+    low, high = values["low"], values["high"]
+    return "" if low < high else f"low {low:g} V must be below high {high:g} V"
+
+
 def starts(scales: Scales) -> Sequence[Values]:
     """Each end of the range cut, and both, a little and much, hard and soft.
 
@@ -108,6 +113,7 @@ LINK = Link(
     ),
     prepare=prepare,
     kernel=kernel,
+    nonsense=nonsense,
     starts=starts,
     plausible=plausible,
     says=says,
