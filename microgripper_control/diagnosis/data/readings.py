@@ -54,7 +54,7 @@ def _rows_of_equals(recording: Recording) -> Iterator[tuple[int, int]]:
     gain = float(np.ptp(x) / np.ptp(u)) if np.ptp(u) > 0.0 else 0.0
     step = grid_of([recording]).step
     allowed = max(MOVES * float(np.ptp(u)), FAR * step / gain if gain > 0.0 else 0.0)
-    moved = np.cumsum(np.diff(u, prepend=u[0]) != 0.0)
+    moved = np.cumsum(np.concatenate([[False], u[1:] != u[:-1]]))
     long = moved[lasts] - moved[firsts] >= LONGEST
     for first, last in zip(firsts[long], lasts[long], strict=True):
         if np.ptp(u[first : last + 1]) > allowed:
