@@ -9,8 +9,14 @@ import pytest
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
+from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.data.grid import NO_GRID, Grid, noise_under, refuted
 from microgripper_control.diagnosis.data.levels import grid_of
+from microgripper_control.diagnosis.diagnose import _as_it_foretells
+from microgripper_control.diagnosis.search.refit import nominal_trial
+from microgripper_control.identification.nuisance import Conditions
+from microgripper_control.plant.model import nominal_model
+from microgripper_control.plant.simulate import simulate
 
 STEP = 2.1e-7
 TIME: Array = 1e-3 * np.arange(20_000, dtype=np.float64)
@@ -172,3 +178,19 @@ def test_the_noise_under_a_grid(noise: float) -> None:
     found = noise_under(float(floor), grid)
     assert found == pytest.approx(np.sqrt(max(noise**2 - (0.15 * STEP) ** 2, (0.15 * STEP) ** 2)))
     assert noise_under(float(floor), NO_GRID) == floor
+
+
+@pytest.mark.parametrize(("off", "rounded_still"), [(1.0, True), (1.02, False)])
+def test_a_prediction_is_rounded_only_where_that_brings_it_nearer(
+    off: float, rounded_still: bool
+) -> None:
+    """A model that is off by more than a step rounds to the wrong one."""
+    paper = nominal_model()
+    voltage = 75.0 - 75.0 * np.cos(2.0 * np.pi * 0.7 * TIME)
+    recording = Recording("run", 1e-3, voltage, rounded(simulate(paper, voltage, 1e-3)))
+    evidence = Evidence.gather([recording], [recording], Conditions(), paper)
+    model = paper.with_values({("bouc_wen", "d"): off * paper.value("bouc_wen", "d")})
+    trial = nominal_trial(evidence, model.with_link("sensor_quantization", resolution=STEP))
+    told = _as_it_foretells(evidence, trial)
+    assert ("sensor_quantization" in told.effects) == rounded_still
+    assert told.both <= trial.both
