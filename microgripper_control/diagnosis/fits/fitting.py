@@ -26,6 +26,7 @@ from microgripper_control.diagnosis.fits.trial import (
     problem_of,
     trial_at,
 )
+from microgripper_control.identification.nuisance import Projection
 from microgripper_control.identification.problem import Problem
 from microgripper_control.plant.model import Model
 
@@ -54,6 +55,11 @@ class Base:
         seen = np.linalg.norm(self.jacobian, axis=0) > 0.0
         basis: Array = np.linalg.qr(self.jacobian[:, seen])[0]
         return basis
+
+    @cached_property
+    def rest(self) -> Array:
+        """What is left of the residual, m, whatever the base parameters do, shape (samples,)."""
+        return Projection(self.basis)(self.residual)
 
 
 def base_of(evidence: Evidence, trial: Trial) -> Base:

@@ -33,7 +33,6 @@ from microgripper_control.diagnosis.search.screening import Guess, guesses, kind
 from microgripper_control.diagnosis.search.stretches import GLANCE, MANY, on_a_part
 from microgripper_control.effects.base import Values
 from microgripper_control.effects.registry import registry
-from microgripper_control.identification.nuisance import Projection
 
 STARTS, MOST_STARTS = 2, 4  # best first guesses that are fitted,
 ENOUGH = 60_000  # samples times guesses: few samples take many
@@ -277,8 +276,7 @@ def promise(
     except (ArithmeticError, ValueError, np.linalg.LinAlgError):
         return name, np.inf
     # A part has a beginning and a zero of its own, to which the base was not fitted.
-    left = Projection(anchors[0].basis)(anchors[0].residual)
-    power = float(left @ left)
+    power = float(anchors[0].rest @ anchors[0].rest)
     return name, found[0].least / power if found and power > 0.0 else np.inf
 
 

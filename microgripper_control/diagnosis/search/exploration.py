@@ -126,14 +126,18 @@ def _worth_joining(pool: Pool, size: int) -> bool:
 
 def _adds_much(trial: Trial, pool: Pool) -> bool:
     """Whether an explanation closes a fair part of the gap more than any with an effect less."""
-    size = len(added(pool.evidence, trial))
-    return pool.closed(trial) - pool.closed(pool.best(size - 1, 1)[0]) > FAIR_PART
+    return pool.closed(trial) - pool.closed(_with_one_less(trial, pool)) > FAIR_PART
 
 
 def _leaves_much_less(trial: Trial, pool: Pool) -> bool:
     """Whether an explanation leaves much less than those with an effect less."""
-    fewer = pool.best(len(added(pool.evidence, trial)) - 1, 1)[0]
+    fewer = _with_one_less(trial, pool)
     return 1.0 - pool.closed(trial) < MUCH_LESS * (1.0 - pool.closed(fewer))
+
+
+def _with_one_less(trial: Trial, pool: Pool) -> Trial:
+    """The best explanation with an effect less than another."""
+    return pool.best(len(added(pool.evidence, trial)) - 1, 1)[0]
 
 
 def _may_lead(leader: Trial, pool: Pool, size: int, shown: Set[str]) -> bool:
@@ -186,8 +190,8 @@ def _exchange(names: Sequence[str], pool: Pool, progress: Progress, jobs: int) -
         if not (replaced and kept):
             continue
         others = _untried_beside(kept, names, pool)
-        if not registry()[name].of_the_way:
-            others = _as_cheap(replaced, others, pool)
+        if not (registry()[name].of_the_way or is_costly(pool.evidence, replaced.model)):
+            others = _without_costly(others, pool)
         if not wanting or is_costly(pool.evidence, kept.model):
             others = _alike(replaced, others, pool)
         if others:
@@ -239,10 +243,8 @@ def _untried_beside(kept: Trial, names: Sequence[str], pool: Pool) -> list[str]:
     ]
 
 
-def _as_cheap(replaced: Trial, names: list[str], pool: Pool) -> list[str]:
-    """The effects of `names` without costly ones, unless `replaced` is costly itself."""
-    if is_costly(pool.evidence, replaced.model):
-        return names
+def _without_costly(names: Sequence[str], pool: Pool) -> list[str]:
+    """Those effects of `names` that are not costly by themselves."""
     alone = [(name, pool.tried[frozenset([name])]) for name in names]
     return [name for name, trial in alone if not is_costly(pool.evidence, trial.model)]
 

@@ -114,22 +114,19 @@ def _judge(evidence: Evidence, base: Base, effect: str, model: Model) -> Guess |
         return None
     if residual.shape != base.residual.shape or not np.all(np.isfinite(residual)):
         return None
-    rest, basis = base.residual, base.basis
     link = registry()[effect]
     own = link.courses is not no_courses
+    off, without = Projection(base.basis), base.rest
     if own:
-        rest = problem.projected(z, rest[:, None])[:, 0]
-        basis = np.linalg.qr(problem.projected(z, basis))[0]
-    off = Projection(basis)
-    without = off(rest)
+        off = Projection(np.linalg.qr(problem.projected(z, base.basis))[0])
+        without = off(problem.projected(z, base.residual[:, None])[:, 0])
     change = without - off(residual)
     power, size, match = (
         float(a @ b) for a, b in ((without, without), (change, change), (change, without))
     )
     left = power - 2.0 * match + size
     if own:  # courses are as strong as fits best already
-        before = Projection(base.basis)(base.residual)
-        if link.random and left > (1.0 - NOTHING) * float(before @ before):
+        if link.random and left > (1.0 - NOTHING) * float(base.rest @ base.rest):
             return None
         return Guess(base, model, left, least=left, strength=1.0, idle=False)
     strength = match / size if size > 0.0 else 0.0
