@@ -59,6 +59,7 @@ class Planned:
     strength: str
     excitation: str
     seed: int
+    brief: bool = False  # with fewer samples
 
     @property
     def name(self) -> str:
@@ -144,6 +145,7 @@ def plan(seed: int, quick: bool) -> list[Planned]:
             one.strength,
             POOR if one.poor else _excitation(one.effects, generator),
             first + number,
+            brief=quick,
         )
         for number, one in enumerate((wanted[i] for i in order), start=1)
     ]

@@ -66,6 +66,7 @@ def examine(root: Path, planned: Planned, limit: int) -> None:
             planned.strength,
             planned.excitation,
             planned.seed,
+            planned.brief,
         )
     except (ArithmeticError, ValueError, np.linalg.LinAlgError, MicrogripperError) as error:
         write_json(folder.result(planned), Record(planned, UNMADE, str(error)).plain())

@@ -51,20 +51,21 @@ def make_case(
     strength: str,
     excitation: str,
     seed: int,
+    brief: bool = False,
 ) -> Case:
     """Make one case.
 
     `question` is one of QUESTIONS. `effects` are the causes at work, two for "pairs"; ("none",) is
     the nominal rig itself and ("parameters",) one that is only mistuned. `form` is "a" or "b",
-    `strength` "weak", "medium" or "strong", `excitation` one of EXCITATIONS. MicrogripperError
-    names what does not fit.
+    `strength` "weak", "medium" or "strong", `excitation` one of EXCITATIONS. `brief` recordings
+    have fewer samples. MicrogripperError names what does not fit.
     """
     named = tuple(effects)
     _check(question, named, form)
     _check_seed(named, form, seed)
     target = wanted_ratio(strength)
     mistuned = named != ("none",)
-    laboratory = equipped(seed, excitation, mistuned)
+    laboratory = equipped(seed, excitation, mistuned, brief=brief)
     causes = () if named[0] in NO_EFFECT else named
     found = [sized(name, form, target, excitation, laboratory) for name in causes]
     rig = laboratory.rig([applied for applied, _ in found])

@@ -38,7 +38,7 @@ MIXED = ("loops", "decaying", "staircase", "multisine", "chirp")
 EXCITATIONS = (*KINDS, "mixed")
 # What bounds the time that it takes to make a case, and to diagnose it.
 LONGEST_TOGETHER = 60.0  # s, all recordings of a case
-MOST_SAMPLES = 60_000  # of all recordings of a case, unless they get too short
+MOST_SAMPLES, MOST_BRIEF = 60_000, 15_000  # of all recordings of a case, unless they get too short
 SHORTEST = 5.0  # s, one recording
 FASTEST = 1 / 8  # of the sampling rate: the highest frequency
 FASTEST_STRAIGHT = 1 / 40  # of it: up to here straight lines between the samples will do
@@ -67,12 +67,16 @@ def plans(
     sample_period: float,
     smooth: bool,
     generator: np.random.Generator,
+    brief: bool = False,
 ) -> list[Plan]:
-    """One to three recordings for training, then one or two held out; all draws in fixed order."""
+    """One to three recordings for training, then one or two held out; all draws in fixed order.
+
+    `brief` ones are fewer and shorter.
+    """
     if excitation not in EXCITATIONS:
         known = ", ".join(EXCITATIONS)
         raise MicrogripperError(f"rig: unknown excitation {excitation!r}; known are {known}")
-    names = _names(excitation, generator)
+    names = _names(excitation, brief, generator)
     kinds = [excitation] * len(names)
     if excitation == "mixed":
         training = sum(name.startswith("recording") for name in names)
@@ -81,7 +85,8 @@ def plans(
         first = [MIXED[generator.integers(0, 2)], "staircase", MIXED[3 + generator.integers(0, 2)]]
         kinds = first[:training] + [MIXED[i] for i in order[: len(names) - training]]
     wanted = [generator.uniform(*KINDS[kind][1:]) for kind in kinds]
-    share = min(1.0, min(LONGEST_TOGETHER, MOST_SAMPLES * sample_period) / sum(wanted))
+    most_samples = MOST_BRIEF if brief else MOST_SAMPLES
+    share = min(1.0, min(LONGEST_TOGETHER, most_samples * sample_period) / sum(wanted))
     made = []
     for name, kind, longest in zip(names, kinds, wanted, strict=True):
         duration = max(share * longest, SHORTEST)
@@ -93,13 +98,15 @@ def plans(
     return made
 
 
-def _names(excitation: str, generator: np.random.Generator) -> list[str]:
+def _names(excitation: str, brief: bool, generator: np.random.Generator) -> list[str]:
     training = int(generator.choice([1, 2, 3], p=[0.25, 0.5, 0.25]))
     heldout = int(generator.choice([1, 2], p=[0.7, 0.3]))
     if excitation == "poor":
         training = heldout = 1
     if excitation == "mixed":
         training = max(training, 2)
+    if brief:
+        training, heldout = min(training, 2), 1
     return [f"recording_{i + 1}" for i in range(training)] + [
         f"heldout_{i + 1}" for i in range(heldout)
     ]

@@ -20,6 +20,7 @@ ACTUATOR_SHARES = (0.55, 0.25, 0.2)  # of the cases
 RATES = (200.0, 500.0, 1000.0, 2000.0, 5000.0, 10000.0)  # Hz
 RATE_SHARES = (0.08, 0.1, 0.5, 0.17, 0.1, 0.05)
 FASTEST_LOOP = 1000.0  # Hz, as each of its samples is a call
+FASTEST_BRIEF = 1000.0  # Hz
 SMOOTH_SHARE = 0.25
 MISTUNING = 0.15  # largest, either way
 USUAL_NOISE = 15e-9  # m, in half of the cases
@@ -44,6 +45,7 @@ class Laboratory:
     base: Base  # the true one
     zeros: tuple[float, ...]  # m, what the sensor shows at x = 0, for each recording
     bandwidth: float  # Hz
+    brief: bool
     plans: tuple[Plan, ...]
 
     @property
@@ -96,8 +98,12 @@ def equipped(
     excitation: str,
     mistuned: bool = True,
     like: Laboratory | None = None,
+    brief: bool = False,
 ) -> Laboratory:
-    """Draw a laboratory; `like` keeps another's sampling and takes only the plans anew."""
+    """Draw a laboratory; `like` keeps another's sampling and takes only the plans anew.
+
+    A `brief` one samples more slowly and records less, so that a case takes less time.
+    """
     generator = np.random.default_rng([seed, FOR_RIG])
     actuator = ACTUATORS[generator.choice(len(ACTUATORS), p=ACTUATOR_SHARES)]
     rate = max(float(generator.choice(RATES, p=RATE_SHARES)), actuator.slowest)
@@ -109,12 +115,15 @@ def equipped(
     bandwidth = float(generator.uniform(*BANDWIDTHS))
     if excitation == "tracking":
         rate = min(rate, FASTEST_LOOP)
+    if brief:
+        rate = min(rate, max(FASTEST_BRIEF, actuator.slowest))
     if like is not None:
-        rate, smooth = 1.0 / like.sample_period, like.smooth
+        rate, smooth, brief = 1.0 / like.sample_period, like.smooth, like.brief
     base = actuator.base
     if mistuned:
         base = base.scaled(dict(zip(MISTUNED, factors.tolist(), strict=True)))
-    made = plans(excitation, actuator, 1.0 / rate, smooth, np.random.default_rng([seed, FOR_PLANS]))
+    chance = np.random.default_rng([seed, FOR_PLANS])
+    made = plans(excitation, actuator, 1.0 / rate, smooth, chance, brief)
     zeros = zero + ZERO_JITTER * generator.standard_normal(len(made))
     return Laboratory(
         seed,
@@ -125,5 +134,6 @@ def equipped(
         base,
         tuple(zeros.tolist()),
         bandwidth,
+        brief,
         tuple(made),
     )

@@ -183,7 +183,7 @@ def poor(generator: np.random.Generator, wish: Wish) -> Wave:
 def setpoints(generator: np.random.Generator, wish: Wish) -> Wave:
     """For a closed loop: steps with rounded edges, and a sine over them for the second half."""
     hold = generator.uniform(1.0, 3.0)
-    count = int(wish.duration / hold) + 1
+    count = max(int(wish.duration / hold) + 1, 3)
     levels = np.concatenate([[0.2], generator.uniform(0.15, 0.8, count - 1)])
     levels[1 + generator.integers(0, 2)] = 0.85
     times: Array = REST + hold * np.arange(count - 1.0)

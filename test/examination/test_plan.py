@@ -63,6 +63,8 @@ def test_a_quick_plan_asks_each_effect_once() -> None:
     asked = [(c.form, c.strength) for c in cases if c.effects[0] in in_library(True)]
     assert len(set(asked)) == 6
     assert {case.question for case in cases} == {"blind", "withheld", "never", "pairs"}
+    assert all(case.brief for case in cases)
+    assert not any(case.brief for case in plan(1, quick=False))
 
 
 def test_effects_are_asked_for_on_recordings_that_can_show_them() -> None:

@@ -159,6 +159,18 @@ def test_recordings_are_such_as_a_laboratory_makes(excitation: str, smooth: bool
             assert (drive.samples[0] == pytest.approx(0.0, abs=1e-9)) or plan.closed_loop
 
 
+@pytest.mark.parametrize("excitation", EXCITATIONS)
+def test_a_brief_case_has_fewer_samples(excitation: str) -> None:
+    for seed in range(8):
+        usual, brief = equipped(seed, excitation), equipped(seed, excitation, brief=True)
+        durations = [plan.wave.duration for plan in brief.plans]
+        assert len(usual.plans) >= len(brief.plans) in (2, 3)
+        assert sum(durations) / brief.sample_period <= 18_000
+        assert min(durations) >= 5.0
+        again = equipped(seed, excitation, like=brief)
+        assert [plan.wave.duration for plan in again.plans] == durations
+
+
 @pytest.mark.parametrize("excitation", ["loops", "staircase", "mixed", "multisine"])
 def test_the_hold_that_is_told_is_true_of_a_smooth_voltage(excitation: str) -> None:
     for seed in range(3):
