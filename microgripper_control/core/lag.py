@@ -19,14 +19,14 @@ SHORTEST = 1e-100  # s: of a shorter lag there is no square to divide by
 FIRST_ORDER = 0.02  # of a2 / a1^2: what is below counts as first order
 
 
-def _free_decay(a1: float, a2: float, step: float) -> tuple[float, float, float, float]:
-    """Matrix of (y, y') over a step, s, at u = 0, row by row."""
+def _free_decay(a1: float, a2: float, steps: Array) -> tuple[Array, Array, Array, Array]:
+    """Matrix of (y, y') over steps, s, at u = 0: its four entries, shape (steps,) each."""
     middle = a1 / (2.0 * a2)
     apart = np.sqrt(complex(a1 * a1 - 4.0 * a2)) / (2.0 * a2)
-    slow = np.exp(-step / (a2 * (middle + apart)))  # its pole without a difference of large numbers
-    share = slow * (step if apart == 0.0 else -np.expm1(-2.0 * apart * step) / (2.0 * apart))
-    mean = slow * (1.0 + np.exp(-2.0 * apart * step)) / 2.0
-    c, s = float(mean.real), float(share.real)
+    slow = np.exp(-steps / (a2 * (middle + apart)))  # no difference of large numbers
+    share = slow * (steps if apart == 0.0 else -np.expm1(-2.0 * apart * steps) / (2.0 * apart))
+    mean = slow * (1.0 + np.exp(-2.0 * apart * steps)) / 2.0
+    c, s = mean.real, share.real
     return c + middle * s, s, -s / a2, c - middle * s
 
 
@@ -38,15 +38,13 @@ def lag_rows(a1: float, a2: float, timing: Timing) -> Array:
     if a1 < SHORTEST and a2 < SHORTEST**2:
         return np.zeros((len(timing.steps), 6))
     a2 = max(a2, SMALLEST_A2 * a1 * a1)
-    rows = []
-    for step in timing.steps:
-        yy, yv, vy, vv = _free_decay(a1, a2, step)
-        course = (-yy, -vy)
-        if timing.ramped:  # the line that y runs towards is `late` times u's rise below u
-            late, slope = a1 / step, 1.0 / step
-            course = ((yy - 1.0) * late - yv * slope, vy * late + (1.0 - vv) * slope)
-        rows.append((yy, yv, vy, vv, *course))
-    return np.array(rows)
+    steps = np.array(timing.steps)
+    yy, yv, vy, vv = _free_decay(a1, a2, steps)
+    course = (-yy, -vy)
+    if timing.ramped:  # the line that y runs towards is `late` times u's rise below u
+        late, slope = a1 / steps, 1.0 / steps
+        course = ((yy - 1.0) * late - yv * slope, vy * late + (1.0 - vv) * slope)
+    return np.stack([yy, yv, vy, vv, *course], axis=1)
 
 
 def order(curvature: float) -> str:

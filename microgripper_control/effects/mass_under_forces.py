@@ -56,8 +56,9 @@ def prepare(values: Values, timing: Timing, levels: Array, loads: Sequence[Load]
     substeps = []
     by_path = any(force.states and not force.fading for force, _ in loads)
     divided = _divisions(values, omega, timing, by_path)
+    own = (values["m"], values["b"], values["k"], values["k_s"])
     for step, spans in zip(timing.steps, divided, strict=True):
-        substeps += _substeps(values, omega, step, spans, timing.ramped)
+        substeps.append(_substeps(own, omega, step, tuple(spans), timing.ramped))
     state = _begun(values, loads, levels)
     still = np.array([*laws, _rest(values)])
     there_and_back = np.array([HIGH, LOW, HIGH])
@@ -65,7 +66,7 @@ def prepare(values: Values, timing: Timing, levels: Array, loads: Sequence[Load]
         still, np.zeros_like(state), levels[there_and_back + FREE]
     )
     levels[POSITION] = _go(still, state, levels[[FREE]])[0]  # only refines
-    return Prepared(np.array([*laws, *substeps]), state, ramped=True)
+    return Prepared(np.vstack([*laws, *substeps]), state, ramped=True)
 
 
 def _laws(loads: Sequence[Load]) -> list[Array]:
@@ -187,10 +188,15 @@ def _division(
     return [step / count] * count
 
 
+@lru_cache(maxsize=64)
 def _substeps(
-    values: Values, omega: float, step: float, spans: list[float], ramped: bool
-) -> list[Array]:
-    own = (values["m"], values["b"], values["k"], values["k_s"])
+    own: tuple[float, float, float, float],
+    omega: float,
+    step: float,
+    spans: tuple[float, ...],
+    ramped: bool,
+) -> Array:
+    """Rows of a step of the bus; most chains differ from the one before in another link only."""
     rows, begin = [], 0.0
     for index, span in enumerate(spans):
         last = index == len(spans) - 1
@@ -203,7 +209,7 @@ def _substeps(
         row[layout.TO_END :] = _map(*own, span, ramped, short)
         rows.append(row)
         begin += span
-    return rows
+    return np.array(rows)
 
 
 @lru_cache(maxsize=256)

@@ -10,6 +10,8 @@ between -1 and 0 in bolted joints, and bearings have more: what slips first hold
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from microgripper_control.core.compiled import inlined
@@ -20,9 +22,18 @@ SPRINGS = 8  # N
 
 def springs(widest: float, decades: float, taper: float) -> tuple[Array, Array]:
     """w_i, m, and k_i as shares of the whole stiffness, both of shape (N,)."""
+    relative, shares = _spread(decades, taper)
+    return widest * relative, shares
+
+
+@lru_cache(maxsize=64)
+def _spread(decades: float, taper: float) -> tuple[Array, Array]:
+    """w_i over the widest, and the shares: asked for several times whenever a chain is made."""
     relative = 10.0 ** -np.linspace(0.0, decades, SPRINGS)
     shares = relative**-taper
-    return widest * relative, shares / np.sum(shares)
+    shares /= np.sum(shares)
+    relative.flags.writeable = shares.flags.writeable = False
+    return relative, shares
 
 
 @inlined

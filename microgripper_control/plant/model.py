@@ -66,7 +66,7 @@ class Model:
     def _check(self, link: Link) -> None:
         given = self.settings[link.name]
         where = f"{self.origin}: {link.name}"
-        known = [p.name for p in link.parameters]
+        known = {p.name: None for p in link.parameters}
         for name in given:
             if name not in known:
                 raise MicrogripperError(
@@ -161,7 +161,7 @@ class Model:
         """A copy with some values replaced; intervals of the old values are dropped."""
         return self.with_settings(
             {
-                (link, name): replace(self.settings[link][name], value=value, interval=None)
+                (link, name): Setting(value, frozen=self.settings[link][name].frozen)
                 for (link, name), value in changes.items()
             }
         )
