@@ -23,6 +23,7 @@ from microgripper_control.diagnosis.data.grid import NO_GRID, Grid
 from microgripper_control.diagnosis.findings import EFFECTS, UNKNOWN
 from microgripper_control.diagnosis.fits.trial import Trial
 from microgripper_control.diagnosis.search.pool import Pool
+from microgripper_control.effects.base import Scales
 from microgripper_control.effects.registry import registry
 from microgripper_control.plant.model import Model, nominal_model
 
@@ -32,7 +33,8 @@ CREEP, LAG, BOTH = (
     frozenset(["sensor_lag"]),
     frozenset(["creep", "sensor_lag"]),
 )
-EVIDENCE = SimpleNamespace(grid=NO_GRID)  # all that is looked at
+SCALES = Scales(1e-3, 10.0, (0.0, 160.0), 1e3, (-1e-5, 1e-5), 5e7, 0.0038)
+EVIDENCE = SimpleNamespace(grid=NO_GRID, scales=SCALES)  # all that is looked at
 
 
 def on_grid(step: float) -> SimpleNamespace:
@@ -265,6 +267,15 @@ def test_a_further_effect_is_named_if_it_is_worth_much_more(
         }
     )
     assert chosen({CREEP: 0.1, LAG: 0.01, BOTH: with_both, NOTHING: 0.2}, pool) == named
+
+
+def test_an_effect_that_was_fitted_away_beside_another_is_no_explanation() -> None:
+    creep = nominal_model().with_link("creep")
+    gone = creep.with_link("sensor_lag", averaging=0.0, time_constant=0.0, curvature=0.0, clock=0.0)
+    at_work = creep.with_link("sensor_lag")
+    for model, weighed in ((gone, {CREEP}), (at_work, {CREEP, BOTH})):
+        pool = pool_of({CREEP: trial(creep, 20.0), BOTH: trial(model, 20.0)})
+        assert Facts.of(pool).tried.keys() == weighed
 
 
 def pool_of(tried: Mapping[frozenset[str], Trial]) -> Pool:

@@ -132,20 +132,22 @@ class Facts:
     @classmethod
     def of(cls, pool: Pool, signatures: Sequence[Signature] = ()) -> Facts:
         """The facts in a pool and what fit-free tests say."""
+        tried = {effects: one for effects, one in pool.tried.items() if _all_act(effects, one)}
         return cls(
             nominal=_left(pool.nominal),
             refit=_left(pool.refit),
             floor=pool.noise_floor,
             independent=independent_samples(pool.refit.errors),
-            tried={
-                effects: explained(effects, trial, pool) for effects, trial in pool.tried.items()
-            },
+            tried={effects: explained(effects, trial, pool) for effects, trial in tried.items()},
             signs={signature.effect: signature.agrees for signature in signatures},
-            unusual={
-                effects: _unusual(effects, trial, pool) for effects, trial in pool.tried.items()
-            },
-            beyond={effects: _beyond(effects, trial) for effects, trial in pool.tried.items()},
+            unusual={effects: _unusual(effects, trial, pool) for effects, trial in tried.items()},
+            beyond={effects: _beyond(effects, trial) for effects, trial in tried.items()},
         )
+
+
+def _all_act(effects: Explanation, trial: Trial) -> bool:
+    """Whether none of several effects was fitted away: the others were tried without it."""
+    return len(effects) == 1 or effects <= {link.name for link in trial.model.links}
 
 
 def _unusual(effects: Explanation, trial: Trial, pool: Pool) -> float:
