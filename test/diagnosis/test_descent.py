@@ -7,6 +7,7 @@ import pytest
 from scipy.optimize import least_squares
 
 from microgripper_control.core.signals import Array
+from microgripper_control.diagnosis.fits import descent
 from microgripper_control.diagnosis.fits.descent import descend
 
 FREE = np.array([-np.inf, -np.inf]), np.array([np.inf, np.inf])
@@ -78,3 +79,27 @@ def test_where_nothing_is_finite_it_does_not_go() -> None:
     stuck, _, used = descend(residuals, slopes, np.array([-1.0]), bounds, 1e-12, 50)
     assert stuck[0] == -1.0
     assert used == 1
+
+
+def test_corrected_derivatives_save_fresh_ones(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two decays and noise: a third fewer, down to the same bottom."""
+    t = np.linspace(0.0, 3.0, 400)
+    noise = 1e-3 * np.random.default_rng(3).standard_normal(400)
+    measured = np.exp(-0.7 * t) + 0.5 * np.exp(-3.0 * t) + noise
+    bounds, start = (np.zeros(4), np.full(4, 50.0)), np.array([0.5, 0.3, 0.3, 6.0])
+    taken: list[Array] = []
+
+    def residuals(z: Array) -> Array:
+        return np.asarray(z[0] * np.exp(-z[1] * t) + z[2] * np.exp(-z[3] * t) - measured)
+
+    def slopes(z: Array) -> Array:
+        taken.append(z)
+        slow, fast = np.exp(-z[1] * t), np.exp(-z[3] * t)
+        return np.column_stack([slow, -z[0] * t * slow, fast, -z[2] * t * fast])
+
+    with_corrections = descend(residuals, slopes, start, bounds, 1e-10, 100)
+    saving = len(taken)
+    monkeypatch.setattr(descent, "CORRECTED", 0)
+    without = descend(residuals, slopes, start, bounds, 1e-10, 100)
+    assert saving < 0.7 * (len(taken) - saving)
+    np.testing.assert_allclose(with_corrections[0], without[0], rtol=1e-4)
