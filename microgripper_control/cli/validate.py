@@ -25,7 +25,11 @@ from microgripper_control.examination.summary import as_json
 def validate(
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Where the results go.")],
     quick: Annotated[
-        bool, typer.Option("--quick", help="About 40 cases instead of several hundred.")
+        bool,
+        typer.Option(
+            "--quick",
+            help="About 40 cases with brief recordings, not several hundred: some 20 minutes.",
+        ),
     ] = False,
     seed: Annotated[
         int,

@@ -32,7 +32,7 @@ from microgripper_control.plant.model import Model
 
 ROUGH = 1e-3  # tolerance, relative, of the squares and of the step, where another fit follows
 FINE = 1e-6  # the same, of what is reported
-EVALUATIONS = 8  # of one start, with the chord method
+EVALUATIONS = 6  # of one start, with the chord method
 SEEN = 1e-3  # of the best seen direction of the base parameters: weaker ones stay
 MUCH = 0.5  # of the squares: a prior that was weighed by more than twice what is left is too heavy
 WAYS = (1.0, 0.5, 0.2)  # shares of the linear step that are tried first

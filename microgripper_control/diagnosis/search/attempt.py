@@ -36,14 +36,14 @@ from microgripper_control.effects.registry import registry
 
 STARTS, MOST_STARTS = 2, 4  # best first guesses that are fitted,
 ENOUGH = 60_000  # samples times guesses: few samples take many
-STEPS = 12  # of a fit from a first guess, at most
+STEPS = 9  # of a fit from a first guess, at most
 FAR_OFF = 2.0  # times what is hopeless, or is known: what leaves more is not gone on with
 LITTLE_TAKEN = 0.99  # of a part's residual: if nothing is wanting, what leaves more is no way on
 FALLEN_SHORT = 1.2  # times what a guess had promised: a fit that leaves more has gone astray
 CLOSE_BEHIND = 1.2  # times what the best kind of a law leaves: another that is fitted on as well
-ROUND_STEPS = 8  # of a round of a longer fit, all derivatives fresh
+ROUND_STEPS = 6  # of a round of a longer fit, all derivatives fresh
 CARRIED = 2  # fits of a part of the samples that are tried on all; of an effect that joins, one
-SETTLING_IN = 5  # steps with the same derivatives, from a part of the samples to all of them
+SETTLING_IN = 4  # steps with the same derivatives, from a part of the samples to all of them
 MISLED = 1.5  # times what is left of a part: where all samples leave more, it has misled the fit
 ROUNDS, FALLING = 5, 0.8  # of a long fit, as long as each leaves less than so much of the last
 

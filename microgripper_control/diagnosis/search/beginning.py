@@ -15,7 +15,7 @@ from microgripper_control.effects.memory_of_the_way import RELEASED
 from microgripper_control.effects.registry import registry
 from microgripper_control.plant.simulate import Initial
 
-STEPS = 8  # of the fit that begins from nothing
+STEPS = 6  # of the fit that begins from nothing
 
 
 def begun_from_nothing(evidence: Evidence, trial: Trial, name: str) -> Trial:

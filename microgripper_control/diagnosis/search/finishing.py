@@ -20,7 +20,7 @@ class Effort(NamedTuple):
 
 
 POLISHED = 1e-5  # tolerance
-TO_THE_END, BRIEFLY = Effort(POLISHED, 20, 0.99), Effort(1e-3, 8, 0.9)
+TO_THE_END, BRIEFLY = Effort(POLISHED, 15, 0.99), Effort(1e-3, 6, 0.9)
 MOST_ROUNDS = 3
 
 
