@@ -23,7 +23,8 @@ def _free_decay(a1: float, a2: float, steps: Array) -> tuple[Array, Array, Array
     """Matrix of (y, y') over steps, s, at u = 0: its four entries, shape (steps,) each."""
     middle = a1 / (2.0 * a2)
     apart = np.sqrt(complex(a1 * a1 - 4.0 * a2)) / (2.0 * a2)
-    slow = np.exp(-steps / (a2 * (middle + apart)))  # no difference of large numbers
+    # The slow pole without a difference of large numbers.
+    slow = np.exp(-steps / (a2 * (middle + apart)))
     share = slow * (steps if apart == 0.0 else -np.expm1(-2.0 * apart * steps) / (2.0 * apart))
     mean = slow * (1.0 + np.exp(-2.0 * apart * steps)) / 2.0
     c, s = mean.real, share.real

@@ -66,7 +66,7 @@ class Model:
     def _check(self, link: Link) -> None:
         given = self.settings[link.name]
         where = f"{self.origin}: {link.name}"
-        known = {p.name: None for p in link.parameters}
+        known = [p.name for p in link.parameters]
         for name in given:
             if name not in known:
                 raise MicrogripperError(
