@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -30,6 +30,7 @@ Mask = NDArray[np.bool_]
 
 BLOCKS = 10
 HARDLY_SEEN = 3e-5  # of the best seen courses: what died away before the samples gets no weight
+LATELY = 4  # answers that are kept: the best was one of the last that were looked at
 FORGOTTEN = 1e-4  # of the most that h changes: what changes less need not be simulated again
 
 
@@ -251,7 +252,7 @@ def _by_hysteresis(
 
     A recording forgets sooner or later what it began with: only until then is each h simulated.
     """
-    anew = partial(response, model, recording, conditions)
+    anew = lru_cache(LATELY)(partial(response, model, recording, conditions))
     if conditions.hold is Hold.BANDLIMITED:  # the beginning knows of what comes after it
         return anew
     low, high = anew(-bound), anew(bound)
@@ -262,7 +263,15 @@ def _by_hysteresis(
     until = max(SHORTEST, int(remembered[-1]) + 1)
     voltage = recording.voltage[:until]
     beginning = replace(recording, voltage=voltage, displacement=None, setpoint=None, read=None)
-    return lambda h: np.append(response(model, beginning, conditions, h), high[until:])
+    ends = {-bound: low, bound: high}
+
+    @lru_cache(LATELY)
+    def answer(h: float) -> Array:
+        if h in ends:
+            return ends[h]
+        return np.append(response(model, beginning, conditions, h), high[until:])
+
+    return answer
 
 
 def blocks(length: int, odd: bool) -> Mask:

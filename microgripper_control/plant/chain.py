@@ -23,6 +23,9 @@ from microgripper_control.plant.model import Model
 
 CLOSED = 1e-10  # of the stroke: what a period may differ from the one before
 MOST_PERIODS = 60
+LABORIOUS = 10  # rows of coefficients a sample: it pays to see whether anything still moves
+LOOK = 64  # samples in a row that show it:
+FLAT = 1e-10  # of the largest value there; what creeps changes by more in so many
 
 
 class Chain:
@@ -57,6 +60,7 @@ class Chain:
         self._clock: Prepared | None = None  # of a sensor that has one
         self._sampled: list[tuple[Kernel, Array, Array]] = []
         self._lasting: list[Array] = []
+        self._behind = sum(link.behind(values) for link, values in links)  # s
         loads: list[Load] = [(link.force, values) for link, values in links if link.force]
         for link, values in links:
             if link.force:
@@ -86,6 +90,11 @@ class Chain:
         return rows + (len(self._clock.coefficients) if self._clock else 0)
 
     @property
+    def is_laborious(self) -> bool:
+        """Whether its rests are worth to be told from the rest of a run."""
+        return self.labour > LABORIOUS
+
+    @property
     def senses(self) -> bool:
         """Whether the sensor reports anything but the true positions."""
         return bool(self._sampled)
@@ -93,6 +102,22 @@ class Chain:
     def advance(self, bus: Array) -> None:
         """Run the links that act between samples; `bus` holds whole sample periods."""
         _run(self._continuous, bus)
+        self._convert(bus)
+
+    def rest(self, bus: Array) -> None:
+        """As `advance`, for a voltage that rests all along the bus.
+
+        Once nothing moves any more, and what comes late has come, the positions are filled in.
+        """
+        look, late = LOOK * self.steps, self._behind / self.timing.sample_period * self.steps
+        for begin in range(0, bus.shape[1], look):
+            piece = np.zeros((ROWS, min(look, bus.shape[1] - begin)))
+            piece[VOLTAGE] = bus[VOLTAGE, begin : begin + look]
+            still = _run_and_see(self._continuous, piece)
+            bus[POSITION, begin : begin + look] = piece[POSITION]
+            if still and begin >= late:
+                bus[POSITION, begin + look :] = piece[POSITION, -1]
+                break
         self._convert(bus)
 
     def _convert(self, bus: Array) -> None:
@@ -166,6 +191,22 @@ def _run(links: list[tuple[Kernel, Array, Array]], bus: Array) -> None:
     """Run links, with what they have prepared, one after the other."""
     for kernel, coefficients, state in links:
         kernel(coefficients, state, bus)
+
+
+def _run_and_see(links: list[tuple[Kernel, Array, Array]], bus: Array) -> bool:
+    """Run links on a bus of zeros but for the voltage; whether behind each of them all is still.
+
+    What moves within a play does not show at the end.
+    """
+    still = True
+    for kernel, coefficients, state in links:
+        kernel(coefficients, state, bus)
+        still = still and _is_flat(bus)
+    return still
+
+
+def _is_flat(bus: Array) -> bool:
+    return bool(np.all(np.ptp(bus, axis=1) <= FLAT * np.max(np.abs(bus), axis=1)))
 
 
 def _limit(first: Array, second: Array, third: Array) -> Array:

@@ -7,7 +7,8 @@ and holds it until t[k+1]. So x[k] answers to u[0..k-1].
 from __future__ import annotations
 
 import enum
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -28,6 +29,7 @@ from microgripper_control.plant.chain import Chain
 from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model
 
+LONG_REST = 256  # sample periods: a shorter one is simulated as any other
 BLOCK = 32768  # internal steps on the bus at a time: memory stays bounded, whatever the length
 
 # drive(bus, begin): fill in the voltage of a block that begins at the sample `begin`.
@@ -86,7 +88,8 @@ def simulate(
         positions[1:] = bus[POSITION, chain.steps - 1 : -chain.steps : chain.steps]
     else:
         positions[0] = chain.rest_position
-        _run(chain, drive, positions[1:])
+        rests = _rests(voltage) if chain.is_laborious and smooth is None else []
+        _run(chain, drive, rests, positions[1:])
     return chain.sense(positions)
 
 
@@ -102,17 +105,39 @@ def sensed(model: Model, name: str, positions: Array, sample_period: float) -> A
     return shown
 
 
-def _run(chain: Chain, drive: Drive, positions: Array) -> None:
+def _run(chain: Chain, drive: Drive, rests: Sequence[slice], positions: Array) -> None:
     """Fill in the positions after each sample period, a block of them at a time."""
-    at_once = max(1, BLOCK // chain.steps)
     bus = np.empty((ROWS, 0))
-    for begin in range(0, len(positions), at_once):
-        part = positions[begin : begin + at_once]
+    for begin, end, resting in _blocks(rests, len(positions), max(1, BLOCK // chain.steps)):
+        part = positions[begin:end]
         if bus.shape[1] != len(part) * chain.steps:
             bus = np.empty((ROWS, len(part) * chain.steps))
         drive(bus, begin)
-        chain.advance(bus)
+        if resting:
+            chain.rest(bus)
+        else:
+            chain.advance(bus)
         part[:] = bus[POSITION, chain.steps - 1 :: chain.steps]
+
+
+def _rests(voltage: Array) -> list[slice]:
+    """The sample periods, many in a row, from whose begin to whose end the voltage is the same."""
+    same = np.zeros(len(voltage) + 1, bool)
+    np.equal(voltage[1:], voltage[:-1], out=same[1:-1])
+    edges = np.flatnonzero(same[1:] != same[:-1])
+    return [
+        slice(int(begin), int(end))
+        for begin, end in edges.reshape(-1, 2)
+        if end - begin >= LONG_REST
+    ]
+
+
+def _blocks(rests: Sequence[slice], count: int, most: int) -> Iterator[tuple[int, int, bool]]:
+    """Begin and end of at most so many sample periods of `count`, and whether the voltage rests."""
+    edges = [0, *(edge for rest in rests for edge in (rest.start, rest.stop)), count]
+    for index, (first, last) in enumerate(pairwise(edges)):
+        for begin in range(first, last, most):
+            yield begin, min(begin + most, last), index % 2 == 1
 
 
 class Plant:

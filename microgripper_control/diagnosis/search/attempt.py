@@ -44,7 +44,7 @@ CLOSE_BEHIND = 1.2  # times what the best kind of a law leaves: another that is 
 ROUND_STEPS = 6  # of a round of a longer fit, all derivatives fresh
 CARRIED = 2  # fits of a part of the samples that are tried on all; of an effect that joins, one
 SETTLING_IN = 4  # steps with the same derivatives, from a part of the samples to all of them
-MISLED = 1.5  # times what is left of a part: where all samples leave more, it has misled the fit
+MISLED = 1.5  # times what is left of a part: if all leave more, as the part shows it, it misleads
 ROUNDS, FALLING = 5, 0.8  # of a long fit, as long as each leaves less than so much of the last
 
 
@@ -108,12 +108,11 @@ def _attempt(
     found.sort(key=lambda trial: trial.fitted_rmse)
     if part is evidence:
         return _best_judged(evidence, found), ""
-    joins = bool(added(evidence, anchors[0].trial))
-    if joins:
+    if added(evidence, anchors[0].trial):
         found = found[:1]
     elif math.isfinite(scrutiny.hopeless) and found[0].fitted_rmse > _left_by_nothing(anchors[0]):
         return None, "takes nothing away of what a part of the samples shows"
-    whole = _carried(evidence, found, name, scrutiny, anew=not joins)
+    whole = _carried(evidence, bases[0], anchors[0], found, name, scrutiny)
     if whole is None:
         return None, "diverges where it was not fitted"
     return judged(evidence, whole), ""
@@ -183,21 +182,29 @@ def _left_by_nothing(base: Base) -> float:
 
 
 def _carried(
-    evidence: Evidence, found: Sequence[Trial], name: str, scrutiny: Scrutiny, *, anew: bool
+    evidence: Evidence,
+    base: Base,
+    anchor: Base,
+    found: Sequence[Trial],
+    name: str,
+    scrutiny: Scrutiny,
 ) -> Trial | None:
     """The best fit on all samples of those that were found on a part, best first.
 
-    Where the part has misled them, the best of each kind is fitted `anew`. None if all diverge.
+    `anchor` is the base on the part. Where that has misled an effect which is by itself, the best
+    of each kind is fitted anew. None if all diverge.
     """
     least = found[0].fitted_rmse
     if least >= scrutiny.hopeless:
-        return _on_all(evidence, found[:1])
+        return _on_all(evidence, base, found[:1])
     # What fits a part best may have bent to it: elsewhere it fits worse, or diverges.
-    whole = _on_all(evidence, found[:CARRIED])
+    whole = _on_all(evidence, base, found[:CARRIED])
     if whole is None:
         return None
     whole = fit_on(evidence, whole, ROUGH, SETTLING_IN, fresh=())
-    if not anew or least >= scrutiny.known or whole.fitted_rmse <= MISLED * least:
+    joins = bool(added(evidence, base.trial))
+    shown = rms([anchor.residual]) / base.trial.fitted_rmse
+    if joins or least >= scrutiny.known or whole.fitted_rmse * shown <= MISLED * least:
         return whole
     # Stretches do not show a force what it remembers from before them: where its memory is long,
     # the way back from what they made of it is long as well.
@@ -205,14 +212,18 @@ def _carried(
     others = [moved(more, fit) for fit in best_of_each_kind(found, name)]
     further = _least([_while_it_falls(more, fit, ROUND_STEPS) for fit in others])
     if further is not None and more is not evidence:
-        further = _on_all(evidence, [further])
+        further = _on_all(evidence, base, [further])
         further = further and fit_on(evidence, further, ROUGH, SETTLING_IN, fresh=())
     return _least([fit for fit in (whole, further) if fit is not None])
 
 
-def _on_all(evidence: Evidence, fits: Sequence[Trial]) -> Trial | None:
-    """The best on all samples of what was fitted to a part, not fitted on; None if all diverge."""
-    return _least([unfitted(evidence, moved(evidence, fit)) for fit in fits])
+def _on_all(evidence: Evidence, base: Base, fits: Sequence[Trial]) -> Trial | None:
+    """The best on all samples of what was fitted to a part, not fitted on; None if all diverge.
+
+    Recordings start with the h of the base: to look for each takes a dozen simulations.
+    """
+    known = base.trial.initial_hysteresis
+    return _least([unfitted(evidence, replace(fit, initial_hysteresis=known)) for fit in fits])
 
 
 def _while_it_falls(evidence: Evidence, trial: Trial, steps: int) -> Trial:
