@@ -7,8 +7,14 @@ import pytest
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.diagnosis.data.evidence import Evidence
-from microgripper_control.diagnosis.search.labour import is_costly, is_laborious_with, is_long
+from microgripper_control.diagnosis.search.labour import (
+    is_costly,
+    is_laborious_with,
+    is_long,
+    is_long_with,
+)
 from microgripper_control.diagnosis.search.refit import nominal_trial
+from microgripper_control.diagnosis.search.rounds import FEW, few_long
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import nominal_model
@@ -55,3 +61,16 @@ def test_only_of_many_samples_a_part_is_fitted_first(samples: int, laborious: bo
     nominal = nominal_trial(evidence, nominal_model())
     assert is_laborious_with(evidence, nominal, "friction") == laborious
     assert not is_laborious_with(evidence, nominal, "creep")
+
+
+def test_of_what_takes_long_only_the_first_few_join() -> None:
+    voltage = 75.0 - 70.0 * np.cos(2.0 * np.pi * 0.5 * PERIOD * np.arange(200_000))
+    run = Recording("run", PERIOD, voltage, 1e-7 * voltage)
+    evidence = Evidence.gather([run], [], Conditions(Hold.ZERO), nominal_model())
+    stiff = nominal_model().with_link("contact", position=0.0, stiffness=1e8)
+    beside = nominal_trial(evidence, stiff)
+    long = ["friction", "backlash", "restoring_force_hysteresis"]
+    assert len(long) > FEW
+    assert all(is_long_with(evidence, beside, name) for name in long)
+    names = ["friction", "creep", "backlash", "restoring_force_hysteresis", "saturation"]
+    assert few_long(evidence, beside, names) == ["friction", "creep", "backlash", "saturation"]

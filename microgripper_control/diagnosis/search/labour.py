@@ -45,8 +45,14 @@ def is_long(evidence: Evidence, model: Model) -> bool:
     return _rows(evidence, model) > LONG_ROWS
 
 
-def is_costly_with(evidence: Evidence, trial: Trial, effect: str) -> bool:
+def is_long_with(evidence: Evidence, trial: Trial, effect: str) -> bool:
     """The same of a trial's model with one more effect, at its first start."""
+    model = _with(evidence, trial, effect)
+    return model is not None and is_long(evidence, model)
+
+
+def is_costly_with(evidence: Evidence, trial: Trial, effect: str) -> bool:
+    """Whether a trial's model has such forces with one more effect, at its first start."""
     model = _with(evidence, trial, effect)
     return model is not None and is_costly(evidence, model)
 

@@ -21,7 +21,7 @@ from microgripper_control.diagnosis.search.attempt import (
     polish,
     promise,
 )
-from microgripper_control.diagnosis.search.labour import is_costly
+from microgripper_control.diagnosis.search.labour import is_costly, is_long, is_long_with
 from microgripper_control.diagnosis.search.pool import Pool, strongest
 from microgripper_control.diagnosis.search.schedule import side_by_side
 from microgripper_control.diagnosis.search.stretches import GLANCE, PART
@@ -73,7 +73,8 @@ def play(
     `shown` are those of which the bases' residuals show a sign.
     """
     if most < len(names):
-        names = _promising(evidence, bases, names, shown, pool, jobs)[:most]
+        names = _promising(evidence, bases, names, shown, pool, jobs)
+        names = few_long(evidence, bases[0].trial, names)[:most]
     before = bases[0].trial
     alone = before is pool.refit
     scrutiny = _scrutiny(alone, pool)
@@ -142,6 +143,12 @@ def _promising(
     return sorted(worth, key=lambda name: (name != best, name not in first, left[name]))
 
 
+def few_long(evidence: Evidence, trial: Trial, names: Sequence[str]) -> list[str]:
+    """Of those effects that take long beside a trial's only the first few, and all others."""
+    others = [name for name in names if is_long_with(evidence, trial, name)][FEW:]
+    return [name for name in names if name not in others]
+
+
 def _by_itself(name: str, pool: Pool) -> list[Values]:
     """The values that an effect had when it was tried alone."""
     trial = pool.tried.get(frozenset([name]))
@@ -161,7 +168,9 @@ def _going_on(
     for trial in sorted(fits, key=lambda trial: trial.fitted_rmse):
         (costly if is_costly(evidence, trial.model) else cheap).append(trial)
     limit = min(near.costly * least, before.fitted_rmse)
+    takes_long = any(is_long(evidence, trial.model) for trial in costly[:1])
+    few = 1 if takes_long and not alone else FEW
     return [
         *(trial for trial in cheap if trial.fitted_rmse < near.cheap * least),
-        *[trial for trial in costly if trial.fitted_rmse < limit][:FEW],
+        *[trial for trial in costly if trial.fitted_rmse < limit][:few],
     ]
