@@ -5,6 +5,7 @@ All are screened, the promising are fitted, the best of them to the end.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import NamedTuple
 
@@ -34,7 +35,8 @@ HARDLY = 0.95  # of the power: of the others what would leave more is not fitted
 NEAR = 3.0  # times what the best leaves: what leaves less is fitted on, all derivatives fresh,
 NEARER = 2.0  # but not so far off if nothing is wanting, or if each sample is costly,
 NEAR_IF_JOINED = 1.5  # or if both, or such a one joins another,
-FEW = 2  # and no more than so many of these, if they have helped at all by then
+HELPED = 0.2  # of the power that the best takes away: such a one must take more by then,
+FEW = 2  # and there are no more than so many of these
 
 
 class Near(NamedTuple):
@@ -167,7 +169,8 @@ def _going_on(
     costly: list[Trial] = []
     for trial in sorted(fits, key=lambda trial: trial.fitted_rmse):
         (costly if is_costly(evidence, trial.model) else cheap).append(trial)
-    limit = min(near.costly * least, before.fitted_rmse)
+    gained = max(0.0, before.fitted_rmse**2 - least**2)
+    limit = min(near.costly * least, math.sqrt(before.fitted_rmse**2 - HELPED * gained))
     takes_long = any(is_long(evidence, trial.model) for trial in costly[:1])
     few = 1 if takes_long and not alone else FEW
     return [
