@@ -46,6 +46,10 @@ class Problem:
     free: tuple[Key, ...]
     used: Sequence[Mask] | None = None
     limits: Mapping[Key, tuple[float, float]] = field(default_factory=dict)  # within the declared
+    # Of each recording what its courses were last; `replace` hands them on to another model.
+    projections: dict[int, list[tuple[object, Projection]]] = field(
+        default_factory=dict, compare=False, repr=False
+    )
 
     @cached_property
     def masks(self) -> list[Mask]:
@@ -237,17 +241,13 @@ class Problem:
     def _projection(self, model: Model, index: int) -> Projection:
         """Kept for two states of the courses: those at a point and those a step away."""
         settings = {n: s for n, s in model.settings.items() if n in self._with_courses}
-        kept = self._projections.setdefault(index, [])
+        kept = self.projections.setdefault(index, [])
         for known, projection in kept:
             if known == settings:
                 return projection
         shapes = courses(model, self.recordings[index])[:, self.masks[index]]
         kept[:] = [*kept[-1:], (settings, Projection.off(shapes))]
         return kept[-1][1]
-
-    @cached_property
-    def _projections(self) -> dict[int, list[tuple[object, Projection]]]:
-        return {}
 
     @cached_property
     def _with_courses(self) -> set[str]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from microgripper_control.diagnosis.fits.trial import problem_of, with_guess
 from microgripper_control.effects.base import Values, no_courses
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.nuisance import Projection
+from microgripper_control.identification.problem import Problem
 from microgripper_control.plant.model import Model
 
 RESCALED = 4  # guesses whose strength is corrected, and as many that are kept as they are
@@ -67,17 +68,22 @@ def guesses(
     What it was `found_alone` to be, beside no other effect, is one of them in any case.
     """
     starts = [*registry()[effect].starts(evidence.scales), *found_alone]
+    problems = {id(base): problem_of(evidence, base.trial.model, base.trial.free) for base in bases}
+
+    def judged(base: Base, model: Model) -> Guess | None:
+        return _judge(replace(problems[id(base)], model=model), base, effect)
+
     found = [
         guess
         for base in bases
         for values in starts
-        if (guess := _judge(evidence, base, effect, with_guess(base.trial.model, effect, values)))
+        if (guess := judged(base, with_guess(base.trial.model, effect, values)))
     ]
     for guess in sorted(found, key=lambda guess: (guess.idle, guess.least))[:RESCALED]:
         if abs(guess.strength - 1.0) < RIGHT:
             continue
         model = _stronger(guess.model, effect, guess.strength)
-        if model is not guess.model and (again := _judge(evidence, guess.base, effect, model)):
+        if model is not guess.model and (again := judged(guess.base, model)):
             found.append(again)
     found.sort(key=lambda guess: (guess.idle, guess.left))
     if not found:
@@ -104,9 +110,12 @@ def kind(model: Model, effect: str) -> tuple[object, ...]:
     return (*kept, *sorted(link.idle(values)))
 
 
-def _judge(evidence: Evidence, base: Base, effect: str, model: Model) -> Guess | None:
-    """What a refit could leave with a guess; None where that is no start or not to be simulated."""
-    problem = problem_of(evidence, model, base.trial.free)
+def _judge(problem: Problem, base: Base, effect: str) -> Guess | None:
+    """What a refit could leave with a guess, which is the model of the problem.
+
+    None where that is no start or not to be simulated.
+    """
+    model = problem.model
     z = problem.point(model, base.trial.initial_hysteresis)
     try:
         residual = problem.residuals(z)
