@@ -156,7 +156,7 @@ def _explored(
     pool = alone(lean, before, refitted, names, progress, jobs)
     if not warnings and not whole.separate and unseen_gap(pool.evidence, pool.closest):
         return on_more(pool.closest)
-    together(pool, names, progress, jobs)
+    pool = together(pool, names, progress, jobs)
     return _Explored(whole, lean, before, pool, warnings)
 
 

@@ -67,3 +67,15 @@ def test_a_clock_that_the_model_has_is_not_looked_for() -> None:
     known = nominal_model().with_link("sensor_lag", averaging=5e-3, time_constant=0.0, clock=3e-3)
     pool = tried(known.with_link("transport_delay", delay=4.3e-3), known)
     assert on_the_sensors_clock(pool, jobs=1) is pool
+
+
+def test_a_clock_may_show_only_beside_another_effect() -> None:
+    lag = {"averaging": 3.72e-3, "time_constant": 0.0, "clock": 0.93e-3}
+    rig = nominal_model().with_link("sensor_lag", **lag).with_link("creep", strength=0.05)
+    pool = tried(rig, nominal_model())
+    assert on_the_sensors_clock(pool, jobs=1) is pool
+    leader = pool.tried[frozenset(["sensor_lag"])]
+    play(pool.evidence, [base_of(pool.evidence, leader)], ["creep"], 1, pool, jobs=1)
+    best = on_the_sensors_clock(pool, jobs=1, size=2).best(2, 1)[0]
+    assert best.rmse < 1.2 * NOISE
+    assert best.model.value("sensor_lag", "clock") == pytest.approx(lag["clock"], rel=1e-4)

@@ -27,22 +27,28 @@ from microgripper_control.identification.reading_age import DELAY, can_be_late
 from microgripper_control.plant.model import Model
 
 NO_CAUSE = 2.0  # times what the best leaves: a lag that leaves more without a clock is none,
+LAGS = 2  # explanations with a lag that are looked at,
 AS_GOOD = 1.1  # times what the best clock leaves: those that leave less are looked for more closely
 FITTED, EVALUATIONS = 2, 25  # first guesses of a lag with a clock, and how long they are fitted
 
 Lag = tuple[Trial, Evidence, float]  # what explains it by a mean lag, too long by the last, s
 
 
-def on_the_sensors_clock(pool: Pool, jobs: int = -1) -> Pool:
-    """The pool, with the sensor's clock if there is one; the lags are then tried with it."""
-    best = pool.best(1, len(pool.tried))
+def on_the_sensors_clock(pool: Pool, jobs: int = -1, size: int = 1) -> Pool:
+    """The pool, with the sensor's clock if there is one; the lags are then tried with it.
+
+    They are looked for among the explanations by `size` effects: what else the rig does may hide a
+    clock from a lag by itself.
+    """
+    best = pool.best(size, len(pool.tried))
     period = max(recording.sample_period for recording in pool.evidence.fitted)
     lags = [
         trial
         for trial in best
-        if _clocked(trial, pool.evidence) and can_be_late(trial.model, period)
-    ]
-    if pool.nominal.model.clock > 0.0 or not lags or not pool.leaves_a_rest(best[0]):
+        if len(_clocked(trial, pool.evidence)) == 1 and can_be_late(trial.model, period)
+    ][:LAGS]
+    known = max(pool.nominal.model.clock, pool.evidence.scales.clock)
+    if known > 0.0 or not lags or not pool.leaves_a_rest(best[0]):
         return pool
     if lags[0].both > NO_CAUSE * best[0].both:
         return pool

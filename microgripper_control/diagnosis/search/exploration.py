@@ -80,16 +80,19 @@ def alone(
 
 def together(
     pool: Pool, candidates: Sequence[str], progress: Progress = silent, jobs: int = -1
-) -> None:
+) -> Pool:
     """Try the candidates with each other, as far as there is anything left to explain."""
     names = [name for name in candidates if name not in pool.own]
     fitted = [name for name in names if not is_read_off(name)]
     if _worth_joining(pool, 1):
         _add_further(fitted, pool, progress, jobs)
     _exchange(fitted, pool, progress, jobs)
+    if (size := len(added(pool.evidence, pool.closest))) > 1:
+        pool = on_the_sensors_clock(pool, jobs, size)
     _begin_anew(pool, progress, jobs)
     _check_backwards(pool)
     _add_chosen(pool, names)
+    return pool
 
 
 def _is_first(name: str, evidence: Evidence, refit: Trial) -> bool:
