@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import tempfile
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TextIO
 
@@ -28,7 +28,7 @@ def make_folder(path: str | Path) -> Path:
 
 
 def check_place(path: str | Path, given: Iterable[str | Path] = ()) -> None:
-    """Make the folder of a file to be written.
+    """Check that a file can be written later, in a folder that may be made then.
 
     MicrogripperError if it cannot take that name, or if the file would replace one of the `given`
     that it is made from.
@@ -36,7 +36,11 @@ def check_place(path: str | Path, given: Iterable[str | Path] = ()) -> None:
     path = _behind(Path(path))
     if any(path.resolve() == Path(one).resolve() for one in given):
         raise MicrogripperError(f"{path}: would overwrite what is read; give another name")
+    missing = _missing(path.parent)
     make_folder(path.parent)
+    for made in missing:  # nothing is left behind if there will be nothing to write
+        with suppress(OSError):
+            made.rmdir()
     try:
         folder, taken = path.is_dir(), path.exists() and not path.is_file()
     except OSError as error:  # too long a name
@@ -44,6 +48,14 @@ def check_place(path: str | Path, given: Iterable[str | Path] = ()) -> None:
     if taken:
         kind = "a folder" if folder else "no regular file"
         raise MicrogripperError(f"{path}: is {kind}; give the name of a file")
+
+
+def _missing(folder: Path) -> list[Path]:
+    """A folder and those above it, as far as they are not there."""
+    try:
+        return [path for path in (folder, *folder.parents) if not path.exists()]
+    except OSError:
+        return []  # told where it is made
 
 
 def _behind(path: Path) -> Path:

@@ -41,6 +41,15 @@ def test_a_name_that_no_file_can_have_is_refused_before_the_work(tmp_path: Path)
         check_place(tmp_path / ("m" * 300))
 
 
+def test_a_place_is_left_as_it_was_until_something_is_written(tmp_path: Path) -> None:
+    (tmp_path / "kept").mkdir()
+    check_place(tmp_path / "kept" / "run.csv")
+    check_place(tmp_path / "new" / "deeper" / "run.csv")
+    assert [path.name for path in tmp_path.iterdir()] == ["kept"]
+    with pytest.raises(MicrogripperError, match="cannot be made or written"):
+        check_place(tmp_path / ("m" * 300) / "run.csv")
+
+
 def test_what_is_no_regular_file_is_not_replaced(tmp_path: Path) -> None:
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
