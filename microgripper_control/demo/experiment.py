@@ -22,6 +22,7 @@ from microgripper_control.demo.plan import (
 )
 from microgripper_control.demo.processes import Nodes
 
+BAG, BAG_WITH_FAULT = "bag", "bag_with_fault"  # folders
 STARTING = 120.0  # s: longest time for a node to start, compiling included
 SLOWEST = 10.0  # times as long as in wall time: the longest that lockstep may take
 Progress = Callable[[str], None]
@@ -49,9 +50,8 @@ def run_experiment(folder: Path, seed: int, progress: Progress) -> Experiment:
 
     Plant and recorder run throughout, a controller and a reference for each mode.
     """
-    bag = folder / "bag"
-    if bag.exists() and not any((folder / name).exists() for name in SETTINGS):  # not a demo's
-        raise MicrogripperError(f"{bag}: is there already; move it away or give another --out")
+    _refuse_bags_of_others(folder)
+    bag = folder / BAG
     rig, believed, reference = write_settings(folder)
     shutil.rmtree(bag, ignore_errors=True)
     rate = 1.0 / SAMPLE_PERIOD
@@ -93,10 +93,19 @@ def run_experiment(folder: Path, seed: int, progress: Progress) -> Experiment:
     return Experiment(bag, tuple(runs))
 
 
+def _refuse_bags_of_others(folder: Path) -> None:
+    """Only a demo's own bags are replaced; its settings lie beside them."""
+    if any((folder / name).exists() for name in SETTINGS):
+        return
+    for bag in (folder / BAG, folder / BAG_WITH_FAULT):
+        if bag.exists():
+            raise MicrogripperError(f"{bag}: is there already; move it away or give another --out")
+
+
 def record_fault(folder: Path, fault: Fault, seed: int) -> Path:
     """Record the rig with a fault, driven open loop in lockstep; the bag's folder."""
     rig, drive = write_fault(folder, fault)
-    bag = folder / "bag_with_fault"
+    bag = folder / BAG_WITH_FAULT
     shutil.rmtree(bag, ignore_errors=True)
     rate, length = 1.0 / SAMPLE_PERIOD, length_of(DRIVE)
     lockstep: dict[str, Any] = {"lockstep": True, "lockstep_timeout": STARTING}
