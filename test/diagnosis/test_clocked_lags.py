@@ -21,17 +21,20 @@ PERIOD, NOISE = 2e-3, 10e-9  # s, m
 LAGS = ("sensor_lag", "transport_delay")
 
 
-def tried(rig: Model, nominal: Model) -> Pool:
-    """Both lags tried by themselves, without a clock, on two recordings of a rig."""
+def tried(rig: Model, nominal: Model, other: float = PERIOD) -> Pool:
+    """Both lags tried by themselves, without a clock, on two recordings of a rig.
+
+    `other` is the sample period of the second, s.
+    """
     random = np.random.default_rng(5)
-    time = PERIOD * np.arange(4000)
     recordings = []
-    for age in (0.2 * rig.clock, 0.7 * rig.clock):
+    for age, period in ((0.2 * rig.clock, PERIOD), (0.7 * rig.clock, other)):
+        time = period * np.arange(4000)
         waves = [np.sin(2.0 * np.pi * (f * time + random.random())) for f in (0.7, 2.3, 7.1)]
         voltage = 80.0 + 25.0 * np.sum(waves, axis=0)
-        clean = simulate(rig, voltage, PERIOD, initial=Initial.FIRST_SAMPLE, reading_age=age)
+        clean = simulate(rig, voltage, period, initial=Initial.FIRST_SAMPLE, reading_age=age)
         noisy = clean + NOISE * random.normal(size=len(time))
-        recordings.append(Recording(f"age {age}", PERIOD, voltage, noisy))
+        recordings.append(Recording(f"age {age}", period, voltage, noisy))
     evidence = Evidence.gather(recordings, [], Conditions(), nominal)
     before = nominal_trial(evidence, nominal)
     pool = Pool(evidence, before, refit_trial(evidence, before))
@@ -55,6 +58,14 @@ def test_an_average_is_found_on_its_clock(clock: float, averaged: int) -> None:
     mean = behind(rig.values("sensor_lag"))
     assert behind(best.model.values("sensor_lag")) == pytest.approx(mean, rel=0.02)
     assert pool.evidence.scales.clock == 0.0  # the pool it began with is as it was
+
+
+def test_recordings_may_have_sample_periods_of_their_own() -> None:
+    lag = {"averaging": 3.72e-3, "time_constant": 0.0, "clock": 0.93e-3}
+    pool = tried(nominal_model().with_link("sensor_lag", **lag), nominal_model(), other=1.37e-3)
+    best = on_the_sensors_clock(pool, jobs=1).best(1, 1)[0]
+    assert best.rmse < 1.2 * NOISE
+    assert best.model.value("sensor_lag", "clock") == pytest.approx(lag["clock"], rel=1e-4)
 
 
 def test_without_a_clock_nothing_changes() -> None:

@@ -43,15 +43,16 @@ def on_its_clocks(evidence: Evidence, trial: Trial) -> list[tuple[Evidence, floa
     `trial` explains it by a mean lag; with each comes by how much that is then too long, s.
     """
     views = _views(evidence, trial)
-    rates = _rates(views)
+    telling = _telling(views)
+    # The same clock beats at another rate with samples of another period.
+    alike = [view for view in views if view.sample_period == telling.sample_period]
+    rates = _rates(alike)
     if not rates:
         return []
-    shares = [max(_share(view, rate) for rate in rates) for view in views]
+    shares = [max(_share(view, rate) for rate in rates) for view in alike]
     if np.mean(shares) < SHOWN:
         return []
-    return [
-        (_timed(evidence, views, found), found.ahead) for found in _clocks(_telling(views), rates)
-    ]
+    return [(_timed(evidence, views, found), found.ahead) for found in _clocks(telling, rates)]
 
 
 def retimed(evidence: Evidence, trial: Trial) -> tuple[Evidence, float]:
