@@ -47,8 +47,7 @@ def is_long(evidence: Evidence, model: Model) -> bool:
 
 def is_long_with(evidence: Evidence, trial: Trial, effect: str) -> bool:
     """The same of a trial's model with one more effect, at its first start."""
-    model = _with(evidence, trial, effect)
-    return model is not None and is_long(evidence, model)
+    return _rows_with(evidence, trial, effect) > LONG_ROWS
 
 
 def is_costly_with(evidence: Evidence, trial: Trial, effect: str) -> bool:
@@ -59,8 +58,7 @@ def is_costly_with(evidence: Evidence, trial: Trial, effect: str) -> bool:
 
 def is_laborious_with(evidence: Evidence, trial: Trial, effect: str) -> bool:
     """Whether it takes too long to fit a trial's model with one more effect to all samples."""
-    model = _with(evidence, trial, effect)
-    return model is not None and _rows(evidence, model) > PART_ROWS
+    return _rows_with(evidence, trial, effect) > PART_ROWS
 
 
 def may_join(evidence: Evidence, trial: Trial, effect: str) -> bool:
@@ -78,6 +76,12 @@ def _rows(evidence: Evidence, model: Model) -> int:
     """Rows of coefficients that a simulation of all recordings takes; 0 without any force."""
     samples = sum(len(recording) for recording in evidence.fitted)
     return samples * _labour_of_forces(evidence, model)
+
+
+def _rows_with(evidence: Evidence, trial: Trial, effect: str) -> int:
+    """The same of a trial's model with one more effect, at its first start; 0 if it has none."""
+    model = _with(evidence, trial, effect)
+    return 0 if model is None else _rows(evidence, model)
 
 
 def _with(evidence: Evidence, trial: Trial, effect: str) -> Model | None:

@@ -171,8 +171,7 @@ def _going_on(
         (costly if is_costly(evidence, trial.model) else cheap).append(trial)
     gained = max(0.0, before.fitted_rmse**2 - least**2)
     limit = min(near.costly * least, math.sqrt(before.fitted_rmse**2 - HELPED * gained))
-    takes_long = any(is_long(evidence, trial.model) for trial in costly[:1])
-    few = 1 if takes_long and not alone else FEW
+    few = 1 if costly and not alone and is_long(evidence, costly[0].model) else FEW
     return [
         *(trial for trial in cheap if trial.fitted_rmse < near.cheap * least),
         *[trial for trial in costly if trial.fitted_rmse < limit][:few],
