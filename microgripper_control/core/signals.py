@@ -16,6 +16,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from microgripper_control.core.compiled import compiled
+
 Array = NDArray[np.float64]
 
 VOLTAGE = 0  # V, at the piezo stack
@@ -65,3 +67,14 @@ class Timing:
     def with_course(self, ramped: bool) -> Timing:
         """The same grid for a signal of the given course."""
         return self if ramped == self.ramped else replace(self, ramped=ramped)
+
+
+@compiled
+def is_flat(bus: Array, share: float) -> bool:
+    """Whether each row of a bus stays within a share of the value it ends at."""
+    for row in range(bus.shape[0]):
+        end = bus[row, -1]
+        for step in range(bus.shape[1]):
+            if not abs(bus[row, step] - end) <= share * abs(end):
+                return False
+    return True

@@ -15,6 +15,7 @@ from microgripper_control.core.signals import (
     VOLTAGE,
     Array,
     Timing,
+    is_flat,
 )
 from microgripper_control.effects import conversion_clock
 from microgripper_control.effects.base import Kernel, Link, Load, Prepared, Stage, Values
@@ -24,8 +25,8 @@ from microgripper_control.plant.model import Model
 CLOSED = 1e-10  # of the stroke: what a period may differ from the one before
 MOST_PERIODS = 60
 LABORIOUS = 10  # rows of coefficients a sample: it pays to see whether anything still moves
-LOOK = 64  # samples in a row that show it:
-FLAT = 1e-10  # of the largest value there; what creeps changes by more in so many
+LOOK = 64  # samples in a row that show it, each time after as many again as have passed:
+FLAT = 1e-10  # of the value at the end; what creeps changes by more in so many
 
 
 class Chain:
@@ -110,14 +111,16 @@ class Chain:
         Once nothing moves any more, and what comes late has come, the positions are filled in.
         """
         look, late = LOOK * self.steps, self._behind / self.timing.sample_period * self.steps
-        for begin in range(0, bus.shape[1], look):
-            piece = np.zeros((ROWS, min(look, bus.shape[1] - begin)))
-            piece[VOLTAGE] = bus[VOLTAGE, begin : begin + look]
-            still = _run_and_see(self._continuous, piece)
-            bus[POSITION, begin : begin + look] = piece[POSITION]
-            if still and begin >= late:
-                bus[POSITION, begin + look :] = piece[POSITION, -1]
+        begin, end = 0, look
+        while begin < bus.shape[1]:
+            piece = np.zeros_like(bus[:, begin:end])
+            piece[VOLTAGE] = bus[VOLTAGE, begin:end]
+            still = _run_and_see(self._continuous, piece, look)
+            bus[POSITION, begin:end] = piece[POSITION]
+            if still and end - look >= late:
+                bus[POSITION, end:] = piece[POSITION, -1]
                 break
+            begin, end = end, 2 * end
         self._convert(bus)
 
     def _convert(self, bus: Array) -> None:
@@ -193,20 +196,16 @@ def _run(links: list[tuple[Kernel, Array, Array]], bus: Array) -> None:
         kernel(coefficients, state, bus)
 
 
-def _run_and_see(links: list[tuple[Kernel, Array, Array]], bus: Array) -> bool:
+def _run_and_see(links: list[tuple[Kernel, Array, Array]], bus: Array, look: int) -> bool:
     """Run links on a bus of zeros but for the voltage; whether behind each of them all is still.
 
-    What moves within a play does not show at the end.
+    Its last `look` steps tell. What moves within a play does not show at the end.
     """
     still = True
     for kernel, coefficients, state in links:
         kernel(coefficients, state, bus)
-        still = still and _is_flat(bus)
+        still = still and is_flat(bus[:, -look:], FLAT)
     return still
-
-
-def _is_flat(bus: Array) -> bool:
-    return bool(np.all(np.ptp(bus, axis=1) <= FLAT * np.max(np.abs(bus), axis=1)))
 
 
 def _limit(first: Array, second: Array, third: Array) -> Array:
