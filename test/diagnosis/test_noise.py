@@ -26,6 +26,13 @@ def test_what_comes_now_and_then_is_new_but_not_usual() -> None:
     assert usual_innovation(steps) < 1.3 * 15e-9
 
 
+def test_outliers_that_come_all_the_time_are_noise() -> None:
+    laplace = np.random.default_rng(6).laplace(0.0, 15e-9 / np.sqrt(2.0), 20000)
+    now_and_then = WHITE * np.where(np.random.default_rng(7).random(20000) < 0.05, 3.0, 1.0)
+    assert usual_innovation(laplace) == pytest.approx(15e-9, rel=0.1)
+    assert usual_innovation(now_and_then) == pytest.approx(15e-9 * np.sqrt(1.4), rel=0.1)
+
+
 def test_nothing_has_no_noise() -> None:
     assert innovation([np.zeros(100)]) == 0.0
     assert usual_innovation(np.zeros(100)) == 0.0

@@ -15,7 +15,8 @@ from scipy.linalg import solve_toeplitz
 from microgripper_control.core.signals import Array
 
 ORDER = 16  # samples of the past
-NORMAL = 1.4826  # standard deviation of a normal distribution, in medians of its magnitude
+STRETCH = 16  # samples over which squares are averaged
+USUAL = (1.0 - 2.0 / (9.0 * STRETCH)) ** 3  # the median of so many normal ones, in means
 
 
 def innovation(errors: Sequence[Array]) -> float:
@@ -41,10 +42,11 @@ def innovation(errors: Sequence[Array]) -> float:
 
 
 def usual_innovation(error: Array) -> float:
-    """As `innovation`, m, of one stretch of residual, but by the median.
+    """As `innovation`, m, of one course of residual, but by the median of short stretches.
 
     What comes now and then is left out, such as what a lag leaves of each step of the voltage: its
-    past does not tell it, but it is no noise.
+    past does not tell it, but it is no noise. Outliers that come all the time are, and the median
+    of single samples would pass them over as well (USUAL: Wilson and Hilferty 1931).
     """
     covariance = _covariance(error)
     if covariance[0] <= 0.0:
@@ -52,7 +54,10 @@ def usual_innovation(error: Array) -> float:
     covariance[0] *= 1.0 + 1e-9
     weights = solve_toeplitz(covariance[:-1], covariance[1:])
     new = np.convolve(error, np.append(1.0, -weights), "valid")
-    return NORMAL * float(np.median(np.abs(new)))
+    if len(new) < STRETCH:
+        return float(np.sqrt(np.mean(new**2)))
+    squares = new[: len(new) // STRETCH * STRETCH].reshape(-1, STRETCH) ** 2
+    return float(np.sqrt(np.median(squares.mean(axis=1)) / USUAL))
 
 
 def quietest(errors: Sequence[Array]) -> float:
