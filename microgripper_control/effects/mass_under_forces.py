@@ -47,6 +47,8 @@ RUNG = 1.25  # omega is rounded to powers of this where substeps are counted
 MOST_SUBSTEPS = 1000
 HARDLY = 1e-6  # of a step: no substep is shorter
 FOREVER = 1e9  # s
+LASTS = 3.0  # time constants a sample: what has died away before the next sample was not seen
+FAST = 0.5  # rad a sample: slower ringing is drawn by the samples, and a fit finds it
 
 
 def prepare(values: Values, timing: Timing, levels: Array, loads: Sequence[Load]) -> Prepared:
@@ -111,6 +113,13 @@ def _go(still: Array, state: Array, way: Array) -> Array:
 def natural_frequency(values: Values, loads: Sequence[Load] = ()) -> float:
     """Of the mass on its springs, and on forces that push back, rad/s."""
     return math.sqrt(_stiffness(values, loads) / values["m"])
+
+
+def rings_on(values: Values, period: float) -> bool:
+    """Whether the mass still rings after a sample period, s, which is not short for its swings."""
+    omega = natural_frequency(values)
+    decay = min(omega, values["b"] / (2.0 * values["m"]))
+    return decay * period < LASTS and omega * period > FAST
 
 
 def _stiffness(values: Values, loads: Sequence[Load]) -> float:

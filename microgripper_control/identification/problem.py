@@ -16,6 +16,7 @@ import numpy as np
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
+from microgripper_control.effects.mass_under_forces import rings_on
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.nuisance import (
     Conditions,
@@ -188,9 +189,13 @@ class Problem:
         return max(recording.sample_period for recording in self.recordings)
 
     def by_sample(self, index: int) -> bool:
-        """Whether the recordings show whole samples only of a free parameter."""
+        """Whether the recordings show whole samples only of a free parameter.
+
+        A rig that still rings after a sample shows every part of it.
+        """
         link, name = self.free[index]
-        held = self.conditions.hold is Hold.ZERO
+        rings = rings_on(self.model.values("second_order"), self.longest_period)
+        held = self.conditions.hold is Hold.ZERO and not rings
         return held and registry()[link].parameter(name).by_sample
 
     def _over_a_sample(self, along: Callable[[float], Array], z: Array, index: int) -> Array:

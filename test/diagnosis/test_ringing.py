@@ -52,6 +52,15 @@ def test_a_rig_that_rings_above_half_the_sampling_rate_is_found(frequency: float
     assert best.fitted_rmse < 1.1 * NOISE
 
 
+def test_a_rig_that_rings_behind_a_delay_is_found() -> None:
+    """Parts of a sample show in the ringing, so a fit from 1300 Hz and 2.7 ms ends there."""
+    model = soft_rig(1300.0).with_link("transport_delay", delay=2.7e-3)
+    evidence = steps(soft_rig(1180.0).with_link("transport_delay", delay=2.35e-3), model)
+    best = refits(evidence, nominal_trial(evidence, model))[0]
+    assert best.fitted_rmse < 1.1 * NOISE
+    assert best.model.value("transport_delay", "delay") == pytest.approx(2.35e-3, rel=1e-3)
+
+
 def test_the_image_that_the_sampling_makes_of_it_is_kept() -> None:
     """1424 Hz rings at 1000 samples/s much like 1576 Hz: beside noise they are rivals."""
     model = soft_rig(1300.0)

@@ -17,14 +17,12 @@ from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.fits.fitting import ROUGH, Indices, fit_on
 from microgripper_control.diagnosis.fits.trial import Trial, judged, unfitted
 from microgripper_control.diagnosis.search.attempt import STEPS
-from microgripper_control.effects.mass_under_forces import natural_frequency
+from microgripper_control.effects.mass_under_forces import natural_frequency, rings_on
 from microgripper_control.identification.determined import DYNAMIC
 from microgripper_control.plant.model import Model
 
 BAND = 1.5  # times the model's frequency, up and down: a rig is its model's, mistuned
 GRID = 41  # frequencies in it
-LASTS = 3.0  # time constants a sample: what has died away before the next sample was not seen
-FAST = 0.5  # rad a sample: slower ringing is drawn by the samples, and a fit finds it
 VALLEYS = 3  # of the residual over the band that are fitted, the deepest
 SAME = 0.02  # relative distance of two frequencies that are one
 WORSE = 1.5  # times what the best leaves: no rival
@@ -56,12 +54,8 @@ def pace(model: Model) -> float:
 
 def _rings(evidence: Evidence, refit: Trial) -> bool:
     """Whether mass and damping were fitted, and the ringing lasts from sample to sample."""
-    if not set(DYNAMIC) <= set(refit.free):
-        return False
-    omega, values = pace(refit.model), refit.model.values("second_order")
-    decay = min(omega, values["b"] / (2.0 * values["m"]))
-    period = evidence.scales.sample_period
-    return decay * period < LASTS and omega * period > FAST
+    rig = refit.model.values("second_order")
+    return set(DYNAMIC) <= set(refit.free) and rings_on(rig, evidence.scales.sample_period)
 
 
 def _ringing_at(refit: Trial, omega: float) -> Trial:
