@@ -96,11 +96,15 @@ def diagnose(
     given = _answer(explored, signs)
     found = answer.candidates(given.weighed, pool, names, signs, given.model)
     before, refit, best = (
-        on_all(explored.whole, explored.lean, trial)
+        _as_shown(nominal, explored.whole, on_all(explored.whole, explored.lean, trial))
         for trial in (explored.nominal, pool.refit, _as_it_foretells(pool.evidence, given.best))
     )
+    model = given.model.with_rounding_of(nominal)
+    floor = pool.noise_floor
+    if nominal.rounding:  # which way a reading is rounded no model foretells
+        floor = min(trial.noise_floor for trial in (before, refit, best))
     free_form = explainable(fitted, judging, pool.noise_floor)
-    gap = _gap(explored.whole, pool.noise_floor, before, refit, best, free_form)
+    gap = _gap(explored.whole, floor, before, refit, best, free_form)
     where = tuple(locate([*judging, *fitted], pool.noise_floor))
     groups = answer.ambiguous(given.weighed, pool) if given.verdict == EFFECTS else ()
     told = sentence(
@@ -108,7 +112,7 @@ def diagnose(
         given.effects,
         gap,
         nominal,
-        given.model,
+        model,
         found,
         where,
         pool.evidence.scales,
@@ -126,7 +130,7 @@ def diagnose(
         next_experiment=_next(given.weighed, pool),
         nominal=nominal,
         refit=refit.model,
-        model=given.model,
+        model=model,
         conditions=whole.conditions,
         judged=_judged(explored.whole, judging, before, refit, best),
         shares=_shares(pool, given.effects, given.best),
@@ -201,6 +205,12 @@ def _as_it_foretells(evidence: Evidence, trial: Trial) -> Trial:
         return trial
     smooth = judged(evidence, replace(trial, model=trial.model.without(rounding)))
     return min(trial, smooth, key=lambda one: one.both)
+
+
+def _as_shown(nominal: Model, evidence: Evidence, trial: Trial) -> Trial:
+    """A trial, judged by readings that are rounded as the rig's model has it, if it does."""
+    model = trial.model.with_rounding_of(nominal)
+    return trial if model is trial.model else judged(evidence, replace(trial, model=model))
 
 
 def on_all(whole: Evidence, lean: Evidence, trial: Trial) -> Trial:

@@ -110,9 +110,8 @@ def response(model: Model, recording: Recording, conditions: Conditions, h: floa
 
     It is not rounded to a sensor's grid either: what is rounded has no slope to fit by.
     """
-    rounding = _rounding(model)
     return simulate(
-        model.without(rounding) if rounding else model,
+        model.without(model.rounding) if model.rounding else model,
         recording.voltage,
         recording.sample_period,
         hold=conditions.hold,
@@ -120,11 +119,6 @@ def response(model: Model, recording: Recording, conditions: Conditions, h: floa
         initial_hysteresis=h,
         reading_age=recording.reading_age,
     )
-
-
-def _rounding(model: Model) -> list[str]:
-    """The links of a model that round what the sensor shows."""
-    return [name for name in model.settings if registry()[name].read_off]
 
 
 def predict(
@@ -135,7 +129,7 @@ def predict(
     shown = response(model, recording, conditions, nuisance.initial_hysteresis)
     if nuisance.weights:
         shown = shown + np.array(nuisance.weights) @ courses(model, recording)
-    for name in _rounding(model):
+    for name in model.rounding:
         from_there = shown - nuisance.reading
         shown = sensed(model, name, from_there, recording.sample_period) + nuisance.reading
     return shown

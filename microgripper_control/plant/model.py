@@ -133,6 +133,11 @@ class Model:
         return f"voltage {least:g} .. {most:g} V; the model holds for {low:g} .. {high:g} V"
 
     @property
+    def rounding(self) -> tuple[str, ...]:
+        """Names of the links that round what the sensor shows."""
+        return tuple(name for name in self.settings if registry()[name].read_off)
+
+    @property
     def dead_time(self) -> float:
         """S by which its effects let the reading be behind the command, all delays and lags."""
         return sum(registry()[link].behind(self.values(link)) for link in self.settings)
@@ -173,6 +178,11 @@ class Model:
         if values:
             raise MicrogripperError(f"{self.origin}: {name}: unknown key {next(iter(values))!r}")
         return replace(self, settings={**self.settings, name: chosen})
+
+    def with_rounding_of(self, other: Model) -> Model:
+        """A copy that rounds what the sensor shows as another model does."""
+        taken = {name: other.settings[name] for name in other.rounding}
+        return replace(self, settings={**self.settings, **taken}) if taken else self
 
     def without(self, names: Iterable[str]) -> Model:
         """A copy without some links."""

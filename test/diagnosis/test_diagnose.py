@@ -77,6 +77,22 @@ def test_a_mistuned_model_is_fitted_again(paper: Model, mistuned: Callable[[Mode
     assert found.gap.nominal > 10.0 * NOISE
 
 
+def test_the_makers_rig_with_its_coarse_sensor_is_only_fitted_again(
+    mistuned: Callable[[Model], Model],
+) -> None:
+    """Readings on steps of 1 um, 2.45 instead of 2.67 ms old, of a mass that rings: none is new."""
+    maker = load_model(Path(__file__).parents[2] / "config" / "apa120s_datasheet.yaml")
+    late = {("transport_delay", "delay"): 2.45e-3, ("second_order", "m"): 5.3e-3}
+    rig = mistuned(maker.with_values(late))
+    long = ("contact", "friction", "restoring_force_hysteresis")
+    found = diagnose(maker, [record(rig, 9.0, 1)], [record(rig, 9.0, 2)], without=long)
+    assert (found.verdict, found.effects) == (PARAMETERS, ())
+    assert found.model.effects == maker.effects
+    assert found.model.value("sensor_quantization", "resolution") == 1e-6
+    assert found.gap.augmented < 0.3e-6 < found.gap.nominal
+    assert found.gap.noise_floor <= found.gap.augmented
+
+
 @pytest.fixture(scope="module")
 def planted() -> dict[str, dict[str, float]]:
     return {

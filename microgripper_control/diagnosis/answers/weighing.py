@@ -134,8 +134,8 @@ class Facts:
         """The facts in a pool and what fit-free tests say."""
         tried = {effects: one for effects, one in pool.tried.items() if _all_act(effects, one)}
         return cls(
-            nominal=_left(pool.nominal),
-            refit=_left(pool.refit),
+            nominal=explained(frozenset(), pool.nominal, pool),
+            refit=explained(frozenset(), pool.refit, pool),
             floor=pool.noise_floor,
             independent=independent_samples(pool.refit.errors),
             tried={effects: explained(effects, trial, pool) for effects, trial in tried.items()},
@@ -171,11 +171,12 @@ def explained(effects: Explanation, trial: Trial, pool: Pool) -> Left:
     A grid explains readings that lie on it without predicting them better: under noise the rounded
     prediction is often worse. So it counts as taking away from what its other effects leave the
     variance of rounding, q^2 / 12 for even steps q, and that of a grid bowed as far as they are.
+    One that the rig's model has does so beside whatever explains the rest.
     """
     rounding = frozenset(name for name in effects if is_read_off(name))
-    if not rounding:
+    if not (rounding or pool.evidence.rounded):
         return _left(trial)
-    rest = _left(pool.tried.get(effects - rounding, pool.refit))
+    rest = _left(pool.tried.get(effects - rounding, pool.refit) if rounding else trial)
     return Left(*(unrounded(error, pool.grid) for error in rest))
 
 

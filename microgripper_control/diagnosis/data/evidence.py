@@ -9,6 +9,7 @@ recording's own values are fitted on its odd blocks and errors are taken on its 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -34,6 +35,7 @@ from microgripper_control.identification.nuisance import (
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.simulate import Initial
 
+AS_GIVEN = 0.1  # of a step: a grid closer to the one in the rig's model is that
 SHORTEST = 100  # samples of a recording: of fewer no noise can be told
 GAP = 0.05  # of a block, on each side of what judges
 STRIPS = 4  # of a block that judges, every other of which may be fitted
@@ -50,7 +52,7 @@ LEAD_IN = 0.2  # of a piece that does not begin with its recording
 class Evidence:
     """Recordings to fit, with the samples that count, and recordings to judge on."""
 
-    nominal: Model  # of the rig
+    nominal: Model  # of the rig, but for what rounds its readings
     fitted: tuple[Recording, ...]
     used: tuple[Mask, ...]
     judged: tuple[Recording, ...]
@@ -58,6 +60,7 @@ class Evidence:
     conditions: Conditions
     separate: bool  # whether the recordings that judge were given for that
     scales: Scales
+    rounded: bool = False  # whether the rig's model knows of the grid that its readings lie on
 
     @classmethod
     def gather(
@@ -88,7 +91,17 @@ class Evidence:
         used = _used(recordings, bool(heldout))
         fitted = all_in_time(nominal, recordings, conditions)
         judged = tuple(heldout) or fitted
-        return cls(nominal, fitted, used, judged, _all(judged), conditions, bool(heldout), scales)
+        return cls(
+            nominal.without(nominal.rounding),
+            fitted,
+            used,
+            judged,
+            _all(judged),
+            conditions,
+            bool(heldout),
+            scales,
+            _known(nominal, scales.resolution),
+        )
 
     def joined(self) -> Evidence:
         """The same with some of what judges fitted as well.
@@ -194,6 +207,12 @@ class Evidence:
             (recording.measured - said.prediction)[said.counted]
             for recording, said in zip(self.judged, self.predictions(model), strict=True)
         ]
+
+
+def _known(nominal: Model, step: float) -> bool:
+    """Whether a model rounds its readings by the step, m, that these have."""
+    steps = [value for name in nominal.rounding for value in nominal.values(name).values()]
+    return any(math.isclose(one, step, rel_tol=AS_GIVEN) for one in steps)
 
 
 def _all(recordings: Sequence[Recording]) -> tuple[Mask, ...]:

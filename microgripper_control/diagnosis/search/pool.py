@@ -50,9 +50,9 @@ class Pool:
 
     @property
     def grid(self) -> Grid:
-        """The grid that the readings lie on, if that was tried; NO_GRID if not."""
+        """The grid that the readings lie on, if that is known or was tried; NO_GRID if not."""
         tried = any(is_read_off(name) for added in self.tried for name in added)
-        return self.evidence.grid if tried else NO_GRID
+        return self.evidence.grid if tried or self.evidence.rounded else NO_GRID
 
     def add(self, trial: Trial) -> None:
         """Keep a trial unless a better one of the same effects is there."""
