@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from microgripper_control.core.recording import Recording
 from microgripper_control.diagnosis.answers import answer
 from microgripper_control.diagnosis.answers.answer import Weighed
+from microgripper_control.diagnosis.answers.colour import coloured_noise
 from microgripper_control.diagnosis.answers.sentence import sentence
 from microgripper_control.diagnosis.answers.shrinkage import closed_fraction, closed_interval
 from microgripper_control.diagnosis.answers.weighing import Facts, weigh
@@ -91,6 +92,7 @@ def diagnose(
     explored = _explored(whole, names, progress, jobs)
     progress("where the gap lies", 0, 1)
     pool = explored.pool
+    pool.coloured = coloured_noise(pool)
     fitted, judging = residuals_of(pool.evidence, pool.refit.model)
     signs = signatures([*judging, *fitted], pool.noise_floor)
     given = _answer(explored, signs)

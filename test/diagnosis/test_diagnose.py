@@ -7,17 +7,19 @@ import json
 import re
 import shlex
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 from typer.testing import CliRunner
 
 from microgripper_control.cli.main import app
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.diagnose import candidate_names, diagnose
-from microgripper_control.diagnosis.findings import EFFECTS, NONE, PARAMETERS
+from microgripper_control.diagnosis.findings import EFFECTS, NONE, PARAMETERS, UNKNOWN
 from microgripper_control.diagnosis.search import attempt
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.model_file import load_model, save_model
@@ -75,6 +77,23 @@ def test_a_mistuned_model_is_fitted_again(paper: Model, mistuned: Callable[[Mode
     assert (found.verdict, found.effects) == (PARAMETERS, ())
     assert found.gap.augmented == pytest.approx(NOISE, rel=0.03)
     assert found.gap.nominal > 10.0 * NOISE
+
+
+@pytest.mark.parametrize(("pole", "verdict"), [(0.7, PARAMETERS), (0.995, UNKNOWN)])
+def test_noise_that_a_filter_has_coloured_is_no_cause(
+    paper: Model, mistuned: Callable[[Model], Model], pole: float, verdict: str
+) -> None:
+    """It is forgotten after some samples; what lasts longer is a disturbance."""
+    rng = np.random.default_rng(11)
+
+    def noisy(seed: int) -> Recording:
+        recording = record(paper, 9.0, seed)
+        added = 4.0 * NOISE * lfilter([1.0], [1.0, -pole], rng.standard_normal(len(recording)))
+        return replace(recording, displacement=recording.measured + added)
+
+    others = set(candidate_names()) - {"creep", "amplifier_lag"}
+    found = diagnose(mistuned(paper), [noisy(1)], [noisy(2)], without=others)
+    assert found.verdict == verdict
 
 
 def test_the_makers_rig_with_its_coarse_sensor_is_only_fitted_again(

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from microgripper_control.diagnosis.data.noise import innovation, quietest, usual_innovation
 
@@ -24,6 +25,13 @@ def test_what_comes_now_and_then_is_new_but_not_usual() -> None:
     steps[::100] += np.random.default_rng(5).normal(0.0, 1e-6, 200)
     assert innovation([steps]) > 5.0 * 15e-9
     assert usual_innovation(steps) < 1.3 * 15e-9
+
+
+def test_noise_that_is_soon_forgotten_is_new_some_samples_later() -> None:
+    coloured = lfilter([1.0], [1.0, -0.7], WHITE)
+    assert innovation([coloured]) == pytest.approx(15e-9, rel=0.02)
+    assert innovation([coloured], ahead=10) == pytest.approx(np.std(coloured), rel=0.02)
+    assert innovation([coloured + WAVE], ahead=10) < 2.0 * np.std(coloured)
 
 
 def test_outliers_that_come_all_the_time_are_noise() -> None:

@@ -19,25 +19,26 @@ STRETCH = 16  # samples over which squares are averaged
 USUAL = (1.0 - 2.0 / (9.0 * STRETCH)) ** 3  # the median of so many normal ones, in means
 
 
-def innovation(errors: Sequence[Array]) -> float:
-    """Standard deviation, m, of what each sample adds to the ORDER samples before it (Yule-Walker).
+def innovation(errors: Sequence[Array], ahead: int = 1) -> float:
+    """Standard deviation, m, of what each sample adds to ORDER samples before it (Yule-Walker).
 
-    `errors` are stretches of residual, m, without gaps; inf if all are too short to tell.
+    The last of these lies `ahead` samples before it. `errors` are stretches of residual, m, without
+    gaps; inf if all are too short to tell.
     """
-    covariance = np.zeros(ORDER + 1)
+    covariance = np.zeros(ORDER + ahead)
     count = 0
     for error in errors:
-        if len(error) <= 2 * ORDER:
+        if len(error) <= 2 * len(covariance):
             continue
-        covariance += _covariance(error)
+        covariance += _covariance(error, len(covariance))
         count += len(error)
     if count == 0:
         return np.inf
     if covariance[0] <= 0.0:
         return 0.0
     covariance[0] *= 1.0 + 1e-9
-    weights = solve_toeplitz(covariance[:-1], covariance[1:])
-    left = float(covariance[0] - weights @ covariance[1:])
+    weights = solve_toeplitz(covariance[:ORDER], covariance[ahead:])
+    left = float(covariance[0] - weights @ covariance[ahead:])
     return float(np.sqrt(max(left, 0.0) / max(1, count - ORDER)))
 
 
@@ -48,7 +49,7 @@ def usual_innovation(error: Array) -> float:
     past does not tell it, but it is no noise. Outliers that come all the time are, and the median
     of single samples would pass them over as well (USUAL: Wilson and Hilferty 1931).
     """
-    covariance = _covariance(error)
+    covariance = _covariance(error, ORDER + 1)
     if covariance[0] <= 0.0:
         return 0.0
     covariance[0] *= 1.0 + 1e-9
@@ -69,9 +70,9 @@ def quietest(errors: Sequence[Array]) -> float:
     return min(map(usual_innovation, long), default=np.inf)
 
 
-def _covariance(error: Array) -> Array:
-    """Sums of products, m^2, of samples 0 .. ORDER apart."""
-    return np.array([error[lag:] @ error[: len(error) - lag] for lag in range(ORDER + 1)])
+def _covariance(error: Array, count: int) -> Array:
+    """Sums of products, m^2, of samples 0 .. count - 1 apart."""
+    return np.array([error[lag:] @ error[: len(error) - lag] for lag in range(count)])
 
 
 def removable(rmse: float, floor: float) -> float:

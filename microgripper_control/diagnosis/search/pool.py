@@ -27,6 +27,7 @@ class Pool:
     refit: Trial
     tried: dict[frozenset[str], Trial] = field(default_factory=dict)
     failures: dict[str, str] = field(default_factory=dict)  # effect: why it could not be tried
+    coloured: float = 0.0  # m, of what the best leaves that is noise though samples tell the next
 
     @property
     def own(self) -> frozenset[str]:
@@ -46,7 +47,8 @@ class Pool:
         usual = max(min(trial.quietest for trial in best), self.evidence.grid.rounding)
         if usual < self.grid.step:
             usual = np.inf
-        return noise_under(min(usual, *(trial.noise_floor for trial in best)), self.grid)
+        white = min(usual, *(trial.noise_floor for trial in best))
+        return noise_under(max(white, self.coloured), self.grid)
 
     @property
     def grid(self) -> Grid:
