@@ -37,7 +37,8 @@ from microgripper_control.effects.registry import registry
 STARTS, MOST_STARTS = 2, 4  # best first guesses that are fitted,
 ENOUGH = 60_000  # samples times guesses: few samples take many
 STEPS = 9  # of a fit from a first guess, at most
-FAR_OFF = 2.0  # times what is hopeless, or is known: what leaves more is not gone on with
+FAR_OFF = 2.0  # times what is hopeless: what leaves more is not gone on with
+CLOSE = 1.5  # times what is known: kinds of a law that leave more run no race
 LITTLE_TAKEN = 0.99  # of a part's residual: if nothing is wanting, what leaves more is no way on
 FALLEN_SHORT = 1.2  # times what a guess had promised: a fit that leaves more has gone astray
 CLOSE_BEHIND = 1.2  # times what the best kind of a law leaves: another that is fitted on as well
@@ -157,7 +158,7 @@ def _gone_on_with(
         best = longer = [fit_on(part, fit, ROUGH, steps) for fit in best]
     least = min(fit.fitted_rmse for fit in best)
     running = [fit for fit in best if fit.fitted_rmse <= CLOSE_BEHIND * least]
-    if len(running) < 2 or least > min(FAR_OFF * scrutiny.known, scrutiny.hopeless):
+    if len(running) < 2 or least > min(CLOSE * scrutiny.known, scrutiny.hopeless):
         return longer
     return [*longer, *(_while_it_falls(part, fit, steps) for fit in running)]
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -33,24 +32,10 @@ RUNNERS_UP = 2  # of the promising: those that explain most by themselves,
 SHOWN = 2  # and those of which what is left shows a sign
 HARDLY = 0.95  # of the power: of the others what would leave more is not fitted
 NEAR = 3.0  # times what the best leaves: what leaves less is fitted on, all derivatives fresh,
-NEARER = 2.0  # but not so far off if nothing is wanting, or if each sample is costly,
-NEAR_IF_JOINED = 1.5  # or if both, or such a one joins another,
+NEARER = 2.0  # but not so far off if nothing is wanting,
+NEAR_IF_COSTLY = 1.5  # or if each sample is costly,
 HELPED = 0.2  # of the power that the best takes away: such a one must take more by then,
 FEW = 2  # and there are no more than so many of these
-
-
-class Near(NamedTuple):
-    """How many times as much as the best a fit may leave and be gone on with."""
-
-    cheap: float
-    costly: float
-
-    @classmethod
-    def of(cls, alone: bool, pool: Pool) -> Near:
-        """The less the effects that were tried alone have left to explain, the nearer."""
-        if not alone:
-            return cls(NEAR, NEAR_IF_JOINED)
-        return cls(NEAR, NEARER) if pool.unexplained else cls(NEARER, NEAR_IF_JOINED)
 
 
 Progress = Callable[[str, int, int], None]  # what is being tried, how many are done, of how many
@@ -109,8 +94,8 @@ def _scrutiny(alone: bool, pool: Pool) -> Scrutiny:
     known = min((trial.fitted_rmse for trial in pool.tried.values()), default=np.inf)
     if alone and pool.unexplained:
         return Scrutiny(PART, known=known)
-    hopeless = Near.of(alone, pool).costly * known
-    return Scrutiny(GLANCE, STARTS if alone else MOST_STARTS, hopeless, known)
+    starts = STARTS if alone else MOST_STARTS
+    return Scrutiny(GLANCE, starts, NEAR_IF_COSTLY * known, known)
 
 
 def _long_first(names: Sequence[str], scales: Scales) -> list[str]:
@@ -161,7 +146,7 @@ def _going_on(
     evidence: Evidence, before: Trial, found: Sequence[Trial], alone: bool, pool: Pool
 ) -> list[Trial]:
     """Those found that leave no more than so many times the least."""
-    near = Near.of(alone, pool)
+    near = NEARER if alone and not pool.unexplained else NEAR
     fits = [t for t in found if t.free != before.free and np.isfinite(t.fitted_rmse)]
     others = [trial for trial in pool.tried.values() if len(trial.free) > len(before.free)]
     least = min((trial.fitted_rmse for trial in (*fits, *others)), default=np.inf)
@@ -170,9 +155,9 @@ def _going_on(
     for trial in sorted(fits, key=lambda trial: trial.fitted_rmse):
         (costly if is_costly(evidence, trial.model) else cheap).append(trial)
     gained = max(0.0, before.fitted_rmse**2 - least**2)
-    limit = min(near.costly * least, math.sqrt(before.fitted_rmse**2 - HELPED * gained))
+    limit = min(NEAR_IF_COSTLY * least, math.sqrt(before.fitted_rmse**2 - HELPED * gained))
     few = 1 if costly and not alone and is_long(evidence, costly[0].model) else FEW
     return [
-        *(trial for trial in cheap if trial.fitted_rmse < near.cheap * least),
+        *(trial for trial in cheap if trial.fitted_rmse < near * least),
         *[trial for trial in costly if trial.fitted_rmse < limit][:few],
     ]
