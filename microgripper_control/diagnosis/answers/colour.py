@@ -7,8 +7,10 @@ lasts longer than a few samples.
 
 from __future__ import annotations
 
+from microgripper_control.diagnosis.answers.weighing import explained
 from microgripper_control.diagnosis.data.noise import innovation
 from microgripper_control.diagnosis.data.residuals import residuals_of
+from microgripper_control.diagnosis.fits.trial import added
 from microgripper_control.diagnosis.search.pool import Pool
 from microgripper_control.diagnosis.signs.freeform import explainable
 
@@ -23,7 +25,8 @@ def coloured_noise(pool: Pool) -> float:
     0 where it leaves much more than what is new in each sample, or what follows from the voltage.
     """
     best = min([pool.refit, *pool.tried.values()], key=lambda trial: trial.both)
-    if best.rmse > MOST * pool.noise_floor:
+    left = explained(added(pool.evidence, best), best, pool).judged
+    if left > MOST * pool.noise_floor:
         return 0.0
     fitted, judging = residuals_of(pool.evidence, best.model)
     if explainable(fitted, judging, pool.noise_floor) > HARDLY:
