@@ -28,11 +28,11 @@ from microgripper_control.diagnosis.findings import (
 from microgripper_control.diagnosis.fits.fitting import FINE
 from microgripper_control.diagnosis.fits.hold_check import hold_warnings
 from microgripper_control.diagnosis.fits.identified_model import identified
-from microgripper_control.diagnosis.fits.trial import Trial, added, judged
+from microgripper_control.diagnosis.fits.trial import Trial, judged
 from microgripper_control.diagnosis.fits.unseen import unseen_gap, unseen_warning
 from microgripper_control.diagnosis.search.exploration import alone, together
 from microgripper_control.diagnosis.search.finishing import refined
-from microgripper_control.diagnosis.search.pool import Pool, is_read_off
+from microgripper_control.diagnosis.search.pool import Pool
 from microgripper_control.diagnosis.search.refit import nominal_trial, refits
 from microgripper_control.diagnosis.search.rounds import Progress, silent
 from microgripper_control.diagnosis.signs.freeform import explainable
@@ -202,10 +202,9 @@ def _as_it_foretells(evidence: Evidence, trial: Trial) -> Trial:
     Which way a reading is rounded no model foretells; where it is off by much of a step, to round
     its prediction as well only adds to that.
     """
-    rounding = [name for name in added(evidence, trial) if is_read_off(name)]
-    if not rounding:
+    if not trial.model.rounding:
         return trial
-    smooth = judged(evidence, replace(trial, model=trial.model.without(rounding)))
+    smooth = judged(evidence, replace(trial, model=trial.model.without(trial.model.rounding)))
     return min(trial, smooth, key=lambda one: one.both)
 
 

@@ -24,7 +24,7 @@ def coloured_noise(pool: Pool) -> float:
 
     0 where it leaves much more than what is new in each sample, or what follows from the voltage.
     """
-    best = min([pool.refit, *pool.tried.values()], key=lambda trial: trial.both)
+    best = pool.leader
     left = explained(added(pool.evidence, best), best, pool).judged
     if left > MOST * pool.noise_floor:
         return 0.0

@@ -267,7 +267,7 @@ def _shown_by(leader: Trial, pool: Pool) -> list[str]:
 
 def _check_backwards(pool: Pool) -> None:
     """Try the best explanation without each of its effects, briefly what was tried before."""
-    best = min([pool.refit, *pool.tried.values()], key=lambda trial: trial.both)
+    best = pool.leader
     effects = added(pool.evidence, best)
     if len(effects) < 2:
         return

@@ -91,6 +91,11 @@ class Pool:
         sound = [trial for trial in self.tried.values() if trial.rmse < self.refit.rmse]
         return min([self.refit, *sound], key=lambda trial: trial.fitted_rmse)
 
+    @property
+    def leader(self) -> Trial:
+        """The explanation that leaves the least, or the refit."""
+        return min([self.refit, *self.tried.values()], key=lambda trial: trial.both)
+
     def best(self, size: int, count: int) -> list[Trial]:
         """The explanations with `size` effects that leave the least, best first."""
         trials = [trial for effects, trial in self.tried.items() if len(effects) == size]
