@@ -184,8 +184,8 @@ def _answer(explored: _Explored, signs: Sequence[Signature]) -> _Answer:
     best = pool.refit
     if verdict == EFFECTS:
         effects = answer.by_importance(answer.chosen(weighed, pool), pool)
-        best = refined(pool.evidence, pool.tried[frozenset(effects)], FINE, 20)
-        pool.add(best)  # what is said of it, and of the noise, is said of this last fit
+        pool.add(refined(pool.evidence, pool.tried[frozenset(effects)], FINE, 20))
+        best = pool.tried[frozenset(effects)]  # the last fit, unless it does worse: it may diverge
     return _Answer(weighed, verdict, effects, best, identified(pool.evidence, best))
 
 

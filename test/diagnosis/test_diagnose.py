@@ -18,8 +18,10 @@ from typer.testing import CliRunner
 from microgripper_control.cli.main import app
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
+from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.diagnose import candidate_names, diagnose
 from microgripper_control.diagnosis.findings import EFFECTS, NONE, PARAMETERS, UNKNOWN
+from microgripper_control.diagnosis.fits.trial import Trial
 from microgripper_control.diagnosis.search import attempt
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.model_file import load_model, save_model
@@ -239,6 +241,22 @@ def test_a_candidate_that_fails_stops_no_other_and_is_listed(
     assert found.effects == ("transport_delay",)
     notes = {candidate.effect: candidate.note for candidate in found.candidates}
     assert "overflow in the play" in notes["backlash"]
+
+
+def test_a_last_fit_that_diverges_where_it_is_judged_is_not_reported(
+    paper: Model, mistuned: Callable[[Model], Model], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A spring that gives way held until a loop of the held-out recordings was larger."""
+
+    def diverges(_: Evidence, trial: Trial, *limits: float) -> Trial:
+        return replace(trial, errors=tuple(np.full_like(error, np.nan) for error in trial.errors))
+
+    monkeypatch.setattr("microgripper_control.diagnosis.diagnose.refined", diverges)
+    rig = paper.with_link("transport_delay", delay=0.0024)
+    others = set(candidate_names()) - {"transport_delay"}
+    found = diagnose(mistuned(paper), [record(rig, 9.0, 6)], jobs=1, without=others)
+    assert found.effects == ("transport_delay",)
+    assert found.gap.augmented < 1.1 * NOISE
 
 
 @pytest.fixture(scope="module")
