@@ -6,7 +6,7 @@ import html
 import json
 import re
 import shlex
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -23,6 +23,8 @@ from microgripper_control.diagnosis.diagnose import candidate_names, diagnose
 from microgripper_control.diagnosis.findings import EFFECTS, NONE, PARAMETERS, UNKNOWN
 from microgripper_control.diagnosis.fits.trial import Trial
 from microgripper_control.diagnosis.search import attempt
+from microgripper_control.identification.nuisance import Conditions
+from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.model_file import load_model, save_model
 from microgripper_control.plant.simulate import simulate
@@ -143,6 +145,35 @@ def test_a_planted_effect_is_named(
     assert sum(candidate.probability for candidate in found.candidates) == pytest.approx(1.0)
     tried = {candidate.effect for candidate in found.candidates}
     assert tried == {*candidate_names(), "none", "parameters", "unknown"}
+
+
+def test_a_memory_about_as_stiff_as_the_rig_is_found(
+    paper: Model, mistuned: Callable[[Model], Model]
+) -> None:
+    """Of which a refit of the material takes all but three times the noise."""
+    name = "restoring_force_hysteresis"
+    rig = paper.with_link(name, alpha=4e7, beta=2.3e5, gamma=1e5)
+
+    def ramps(turns: Sequence[float], seed: int) -> Recording:
+        places = np.linspace(0.0, 2999.0, len(turns))
+        voltage = np.interp(np.arange(3000.0), places, turns)
+        noise = NOISE * np.random.default_rng(seed).standard_normal(3000)
+        moved = simulate(rig, voltage, 2.0 * PERIOD, hold=Hold.FIRST)
+        return Recording(f"ramps {seed}", 2.0 * PERIOD, voltage, moved + noise)
+
+    inwards = ramps([0, 150, 0, 120, 20, 100, 35, 85, 50, 75, 60], 1)
+    outwards = ramps([0, 60, 30, 110, 70, 150, 100, 130, 0, 50, 20], 2)
+    others = ramps([0, 90, 10, 140, 60, 100, 80, 120, 30, 70, 0], 3)
+    found = diagnose(
+        mistuned(paper),
+        [inwards, outwards],
+        [others],
+        Conditions(hold=Hold.FIRST),
+        without=set(candidate_names()) - {name},
+    )
+    assert found.effects == (name,)
+    assert found.gap.refit > 3.0 * NOISE
+    assert found.gap.augmented < 1.1 * NOISE
 
 
 def test_two_effects_are_both_named(paper: Model, mistuned: Callable[[Model], Model]) -> None:

@@ -57,7 +57,7 @@ RATE_UNIT = "1/(m*N^(n-1))"
 def starts(scales: Scales) -> Sequence[Values]:
     """Some of the stiffness, forgotten over more or less of the stroke; or all that slips.
 
-    What slips may be about as stiff as the rig: a fit does not get there from a seventh of it.
+    Either may be about as stiff as the rig: a fit does not get there from a seventh of it.
     """
     alpha = 0.02 * scales.stiffness
     ways = (scales.stroke, scales.stroke / 4.0, scales.stroke / 16.0)
@@ -66,6 +66,7 @@ def starts(scales: Scales) -> Sequence[Values]:
         for way in ways
         for share in (-0.6, 0.0, 0.6)
     ]
+    saturating += [{"alpha": 25.0 * alpha, "beta": 1.0 / way, "gamma": 0.0} for way in ways[1:]]
     saturating += [
         {"alpha": 7.0 * alpha, "beta": 1.0 / (7.0 * alpha * way**2), "gamma": 0.0, "n": 2.0}
         for way in (scales.stroke / 2.0**halvings for halvings in range(5))
