@@ -28,7 +28,7 @@ def validate(
         bool,
         typer.Option(
             "--quick",
-            help="About 40 cases with brief recordings, not several hundred: some 20 minutes.",
+            help="About 40 cases with brief recordings, not several hundred: some 15 minutes.",
         ),
     ] = False,
     seed: Annotated[

@@ -215,7 +215,7 @@ def _substeps(
             row[layout.MIDDLE] = (begin + 0.5 * span) / step
             row[layout.END] = 1.0 if last else (begin + span) / step
         row[layout.TO_MIDDLE : layout.TO_END] = _map(*own, 0.5 * span, ramped, False)
-        row[layout.TO_END :] = _map(*own, span, ramped, short)
+        row[layout.TO_END : layout.TABLES_END] = _map(*own, span, ramped, short)
         rows.append(row)
         begin += span
     return np.array(rows)

@@ -181,9 +181,9 @@ SLIPPING = {"alpha": 4e6, "distributed": 1.0, "widest": 8e-6}
 @pytest.mark.parametrize(
     ("spread", "wider", "decades", "taper", "stiffer"),
     [
-        (0.5, 0.924, 0.612, -1.771, 0.980),
-        (1.0, 0.894, 0.855, -0.834, 0.927),
-        (2.0, 0.870, 1.064, -0.360, 0.795),
+        (0.5, 0.947, 0.810, -1.926, 0.989),
+        (1.0, 0.927, 1.120, -0.943, 0.951),
+        (2.0, 0.910, 1.399, -0.451, 0.842),
     ],
 )
 def test_bit_by_bit_it_softens_as_a_power_law_has_it(
@@ -200,7 +200,7 @@ def test_bit_by_bit_it_softens_as_a_power_law_has_it(
     force = alpha * (widest * slipped ** (spread + 1.0) / (spread + 1.0) + x * (1.0 - slipped))
     values = {"alpha": stiffer * alpha, "widest": wider * widest, "decades": decades}
     error = asked(SLIPPING | values | {"taper": taper}, x) + force[1:]
-    assert np.max(np.abs(error)) < 6e-3 * alpha * widest
+    assert np.max(np.abs(error)) < 2.5e-3 * alpha * widest
 
 
 def test_a_reversal_is_the_first_loading_twice_as_large() -> None:
