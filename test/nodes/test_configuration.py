@@ -66,6 +66,7 @@ def make(
 
     yield make
     for node in made:
+        node.leave()
         node.destroy_node()
 
 
