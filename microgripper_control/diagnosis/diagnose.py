@@ -183,9 +183,10 @@ def _answer(explored: _Explored, signs: Sequence[Signature]) -> _Answer:
     effects: tuple[str, ...] = ()
     best = pool.refit
     if verdict == EFFECTS:
-        effects = answer.by_importance(answer.chosen(weighed, pool), pool)
-        pool.add(refined(pool.evidence, pool.tried[frozenset(effects)], FINE, 20))
-        best = pool.tried[frozenset(effects)]  # the last fit, unless it does worse: it may diverge
+        chosen = answer.chosen(weighed, pool)
+        effects = answer.by_importance(chosen, pool)
+        pool.add(refined(pool.evidence, pool.tried[chosen], FINE, 20))
+        best = pool.tried[chosen]  # the last fit, unless it does worse: it may diverge
     return _Answer(weighed, verdict, effects, best, identified(pool.evidence, best))
 
 

@@ -33,7 +33,7 @@ LAST = 3  # 1 if it ends the step of the bus
 SHORT = 4  # if it is short against the period one over its duration, 1 / s, else 0
 TO_MIDDLE, TO_END = 5, 19  # how (x, v, w before, w after, F before, in the middle, after) give x
 V_TABLE = 7  # numbers on, how they give v
-TABLES_END = 33
+TABLES_END = TO_END + 2 * V_TABLE
 COLUMNS = 42  # of the longest law, the springs that slip
 
 # State: x, v, w, F, how fast F changes, N/s, where the laws were asked last, m, then what they

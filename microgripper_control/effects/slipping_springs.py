@@ -17,7 +17,7 @@ import numpy as np
 from microgripper_control.core.compiled import inlined
 from microgripper_control.core.signals import Array
 
-SPRINGS = 16  # N; with half of them the corners of what slips by and by show, and trap a fit
+SPRINGS = 16  # N; with half of them the corners of what slips bit by bit show, and trap a fit
 
 
 def springs(widest: float, decades: float, taper: float) -> tuple[Array, Array]:
