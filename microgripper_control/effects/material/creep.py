@@ -6,10 +6,18 @@ A row of Kelvin-Voigt elements whose time constants tau_i lie evenly in log time
 `slowest`. After a step each decade of time in between then adds the share `strength` of the step,
 to 1 % of that; drawn together, the two leave a single time constant. Elements are advanced exactly,
 w held over an internal step or running straight through it. At rest creep is complete.
+
+Where domains have to be helped over a barrier (Eyring), they are the faster the more they lag:
+
+    tau_i s_i' = sinh(activation (w - s_i)) / activation,
+
+so that even one of them goes by the logarithm of time after a step, and by the same length in a
+decade after a small step as after a large one. A held w is followed exactly then, too; of a
+straight one half of the way comes before what an internal step relaxes, half behind.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
@@ -21,6 +29,7 @@ from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Val
 
 ELEMENTS = 8
 MOST = 0.2  # of a step in a decade: what is still called creep
+ACTIVATED = (5.0, 20.0)  # first guesses, over the stroke
 UNFINISHED = 3.0  # times the creep after a step over the stroke: wider ones may lie before
 
 
@@ -33,33 +42,73 @@ def time_constants(values: Values) -> Array:
 
 
 @compiled
+def relaxed(late: float, decay: float) -> float:
+    """What is left of activation (w - s) at the end of a step: tanh(late / 2) decays."""
+    falls = math.exp(-abs(late))
+    short = 2.0 * falls / (1.0 + falls)  # of tanh(|late| / 2), to 1
+    left = math.log((1.0 + decay * (1.0 - short)) / (1.0 - decay + decay * short))
+    return left if late >= 0.0 else -left
+
+
+@compiled
+def _crept(row: Array, elements: Array, old: float, new: float) -> float:
+    """The sum of the s_i after a step over which w went from old to new."""
+    total = 0.0
+    for i in range(ELEMENTS):
+        decay, before, after = row[2 + 3 * i], row[3 + 3 * i], row[4 + 3 * i]
+        elements[i] = decay * elements[i] + before * old + after * new
+        total += elements[i]
+    return total
+
+
+@compiled
+def _crept_activated(row: Array, elements: Array, old: float, new: float) -> float:
+    """The same of elements that are activated: they relax at a w between the two."""
+    activation, total = row[1], 0.0
+    for i in range(ELEMENTS):
+        decay, before, after = row[2 + 3 * i], row[3 + 3 * i], row[4 + 3 * i]
+        w = before * old + after * new
+        elements[i] = w - relaxed(activation * (w - elements[i]), decay) / activation
+        total += elements[i]
+    return total
+
+
+@compiled
 def kernel(coefficients: Array, state: Array, bus: Array) -> None:
-    """State: w so far, then the s_i. A row: c, then (decay, from the old w, from the new) each."""
+    """State: w so far, then the s_i.
+
+    A row: c, activation, then (decay, share of the old w, of the new) of each element.
+    """
+    elements = state[1:]
     steps, step = coefficients.shape[0], 0
     for j in range(bus.shape[1]):
         row = coefficients[step]
         old, new = state[0], bus[FREE, j]
-        grown = 0.0
-        for i in range(ELEMENTS):
-            decay, before, after = row[1 + 3 * i], row[2 + 3 * i], row[3 + 3 * i]
-            state[1 + i] = decay * state[1 + i] + before * old + after * new
-            grown += state[1 + i]
+        if row[1] == 0.0:
+            total = _crept(row, elements, old, new)
+        else:
+            total = _crept_activated(row, elements, old, new)
         state[0] = new
-        bus[FREE, j] = new + row[0] * grown
+        bus[FREE, j] = new + row[0] * total
         step = step + 1 if step + 1 < steps else 0
 
 
 def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     """What leaves is of the course that came: within a step creep is slow."""
     decades = abs(np.log10(values["slowest"] / values["fastest"]))
-    share = values["strength"] * decades / ELEMENTS
+    share, activation = values["strength"] * decades / ELEMENTS, values["activation"]
     rows = []
     for step in timing.steps:
         y = step / time_constants(values)
         decay = np.exp(-y)
         mean = -np.expm1(-y) / y  # of the decay over the step
-        before, after = (mean - decay, 1.0 - mean) if timing.ramped else (0.0 * y, -np.expm1(-y))
-        rows.append(np.append(share, np.column_stack([decay, before, after])))
+        if activation:
+            before = np.full(ELEMENTS, 0.5 if timing.ramped else 0.0)
+            after = 1.0 - before
+        else:
+            before = mean - decay if timing.ramped else np.zeros(ELEMENTS)
+            after = -np.expm1(-y) - before
+        rows.append([share, activation, *np.column_stack([decay, before, after]).flat])
     state = np.full(1 + ELEMENTS, levels[FREE])
     levels[PLACES + FREE] *= 1.0 + share * ELEMENTS
     return Prepared(np.array(rows), state, timing.ramped)
@@ -77,12 +126,25 @@ def credible(values: Values, course: Array, scales: Scales) -> bool:
     return bool(np.ptp(course) <= UNFINISHED * values["strength"] * decades * scales.stroke)
 
 
+def idle(values: Values) -> Collection[str]:
+    """Elements that are as slow at any lag stay so: the two kinds are told apart by shape."""
+    return ("activation",) if values["activation"] == 0.0 else ()
+
+
 def starts(scales: Scales) -> Sequence[Values]:
-    """Creep over all times that the recording shows, over the short ones and over the long."""
+    """Creep over all times that the recording shows, over the short ones and over the long.
+
+    And activated, with elements that are slow by themselves.
+    """
     shortest, longest = 3.0 * scales.sample_period, 3.0 * scales.duration
     middle = math.sqrt(shortest * longest)
     spans = ((shortest, longest), (shortest, middle), (middle, longest))
-    return [{"fastest": fastest, "slowest": slowest} for fastest, slowest in spans]
+    activated = [
+        {"fastest": slowest / 10.0, "slowest": slowest, "activation": times / scales.stroke}
+        for slowest in (longest, 1e2 * longest)
+        for times in ACTIVATED
+    ]
+    return [*({"fastest": fastest, "slowest": slowest} for fastest, slowest in spans), *activated]
 
 
 def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
@@ -92,6 +154,9 @@ def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
 
 def says(values: Values, scales: Scales) -> str:
     strength, decades = values["strength"], abs(math.log10(values["slowest"] / values["fastest"]))
+    if values["activation"]:
+        total = percent(strength * decades)
+        return f"the rig creeps, the faster the further behind: in the end by {total} of a step"
     if decades < 1.0:
         middle = math.sqrt(values["slowest"] * values["fastest"])
         way = f"{percent(strength * decades)} of the step within some {quantity(middle, 's', 1)}"
@@ -105,7 +170,7 @@ LINK = Link(
     stage=Stage.MATERIAL,
     order=30,
     title="creep",
-    source="Croft, Shed, Devasia 2001 (elements); Jung and Gweon 2000 (log time)",
+    source="Croft, Shed, Devasia 2001 (elements); Jung and Gweon 2000 (log time); Eyring 1936",
     parameters=(
         Parameter("strength", "1", 0.01, 0.0, 1.0, "share of a step added in a decade", 0.0),
         Parameter(
@@ -119,11 +184,13 @@ LINK = Link(
         Parameter(
             "slowest", "s", 1e3, 1e-4, 1e6, "time up to which creep goes by the logarithm of time"
         ),
+        Parameter("activation", "1/m", 0.0, 0.0, 1e8, "how much faster the more it lags"),
     ),
     prepare=prepare,
     kernel=kernel,
     courses=courses,
     credible=credible,
+    idle=idle,
     starts=starts,
     plausible=plausible,
     says=says,

@@ -57,6 +57,63 @@ def test_any_input_is_followed_exactly(alone: Alone, ramped: bool) -> None:
     np.testing.assert_allclose(out, expected, rtol=1e-9)
 
 
+ACTIVATED = {"strength": 0.1, "fastest": 0.5, "slowest": 5.0, "activation": 2e6}
+
+
+def activated_exactly(signal: Array, step: float, ramped: bool) -> Array:
+    """What ACTIVATED makes of a free displacement in um, by an integrator, um."""
+    taus, activation = time_constants(ACTIVATED), 1e-6 * ACTIVATED["activation"]
+    s, old, expected = np.zeros(len(taus)), 0.0, []
+    for new in signal:
+
+        def rates(t: float, s: Array, old: float = old, new: float = new) -> Array:
+            w = old + (new - old) * t / step if ramped else new
+            rate: Array = np.sinh(activation * (w - s)) / (activation * taus)
+            return rate
+
+        s = solve_ivp(rates, (0.0, step), s, "Radau", rtol=1e-9, atol=1e-12).y[:, -1]
+        expected.append(new + 0.1 / len(taus) * s.sum())
+        old = new
+    return np.array(expected)
+
+
+def test_activated_elements_follow_held_input_exactly(alone: Alone) -> None:
+    signal, step = np.random.default_rng(0).normal(size=30).cumsum(), 0.05
+    found = alone("creep", ACTIVATED, 1e-6 * signal, (step,), row=FREE)
+    expected = activated_exactly(signal, step, ramped=False)
+    assert np.std(expected - signal) > 0.02
+    np.testing.assert_allclose(1e6 * found, expected, rtol=0.0, atol=1e-7)
+
+
+def test_activated_elements_follow_a_smooth_course_nearly(alone: Alone) -> None:
+    step = 5e-3
+    signal = 8.0 * (1.0 - np.cos(2.0 * np.pi * step * np.arange(300)))
+    found = alone("creep", ACTIVATED, 1e-6 * signal, (step,), row=FREE, ramped=True)
+    expected = activated_exactly(signal, step, ramped=True)
+    crept = expected - signal
+    np.testing.assert_allclose(1e6 * found, expected, rtol=0.0, atol=5e-3 * np.ptp(crept))
+
+
+def test_activated_it_goes_on_by_the_same_length_in_a_decade_whatever_the_step(
+    alone: Alone,
+) -> None:
+    """With tanh(late / 2) = exp(-t / tau) that is ln(10) / activation, times the share."""
+    values = {"strength": 0.1, "fastest": 1e3, "slowest": 1e4, "activation": 2e6}
+    for step in (6e-6, 12e-6):
+        crept = alone("creep", values, np.full(10_000, step), (0.1,), row=FREE) - step
+        decade = crept[9_990] - crept[999 - 1]
+        assert decade == pytest.approx(0.1 * np.log(10.0) / 2e6, rel=0.15)
+
+
+def test_hardly_activated_it_is_the_row_of_elements(paper: Model, lively: Array) -> None:
+    plain, hardly = (
+        simulate(paper.with_link("creep", strength=0.05, activation=activation), lively, 1e-3)
+        for activation in (0.0, 1.0)
+    )
+    without = simulate(paper, lively, 1e-3)
+    np.testing.assert_allclose(hardly, plain, rtol=0.0, atol=1e-3 * np.ptp(plain - without))
+
+
 def test_each_decade_adds_the_same_share() -> None:
     time = np.logspace(-1.0, 1.0, 201)  # well inside the range of the time constants
     grown = step_response(VALUES, time)
