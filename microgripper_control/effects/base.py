@@ -120,6 +120,16 @@ def no_starts(scales: Scales) -> Sequence[Values]:
     return ()
 
 
+# more(values, scales): first guesses of a further part of the law, which only a fit without it can
+# suggest: what is added to the values of that fit, weak, with one parameter that vanishes.
+More = Callable[[Values, Scales], Sequence[Values]]
+
+
+def no_more(values: Values, scales: Scales) -> Sequence[Values]:
+    """A link whose first guesses are all there is."""
+    return ()
+
+
 # credible(values, course, scales): whether the course that one recording was given, m, shape (n,),
 # can be the link's own with these values. Weights are fitted freely: another cause may use them.
 Credible = Callable[[Values, Array, Scales], bool]
@@ -290,6 +300,7 @@ class Link:
     observed: Observed = nothing_observed
     credible: Credible = always_credible
     starts: Starts = no_starts
+    more: More = no_more
     plausible: Plausible = as_declared
     unusual: Unusual = never_unusual
     nonsense: Nonsense = always_sensible

@@ -25,6 +25,7 @@ SHOWING = {
     "restoring_force_hysteresis": {"distributed": 0.5},
     "rate_dependent_hysteresis": {"slope": 3e-8},
     "asymmetric_hysteresis": {"plays": 3e-8},
+    "extra_resonance": {"second": 0.1},
 }
 Streamed = Callable[[Model, Array, float], Array]
 

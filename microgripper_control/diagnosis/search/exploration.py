@@ -17,6 +17,7 @@ from microgripper_control.diagnosis.fits.trial import Trial, added, unfitted
 from microgripper_control.diagnosis.search.attempt import behind
 from microgripper_control.diagnosis.search.clocked_lags import on_the_sensors_clock
 from microgripper_control.diagnosis.search.finishing import POLISHED, refined
+from microgripper_control.diagnosis.search.further_part import add_further_parts
 from microgripper_control.diagnosis.search.labour import (
     is_costly,
     is_costly_with,
@@ -75,7 +76,9 @@ def alone(
     for some in ([name for name in rest if name not in costly], costly):
         near = bases if pool.unexplained else bases[:-1]
         play(evidence, near, some, len(some), pool, progress, jobs)
-    return again_if_settled(pool, jobs)
+    pool = again_if_settled(pool, jobs)
+    add_further_parts(pool, jobs)
+    return pool
 
 
 def together(
@@ -90,6 +93,7 @@ def together(
     if (size := len(added(pool.evidence, pool.closest))) > 1:
         pool = on_the_sensors_clock(pool, jobs, size)
     _begin_anew(pool, progress, jobs)
+    add_further_parts(pool, jobs)
     _check_backwards(pool)
     _add_chosen(pool, names)
     return pool

@@ -71,7 +71,7 @@ def guesses(
     problems = {id(base): problem_of(evidence, base.trial.model, base.trial.free) for base in bases}
 
     def judged(base: Base, model: Model) -> Guess | None:
-        return _judge(replace(problems[id(base)], model=model), base, effect)
+        return judge(replace(problems[id(base)], model=model), base, effect)
 
     found = [
         guess
@@ -110,7 +110,7 @@ def kind(model: Model, effect: str) -> tuple[object, ...]:
     return (*kept, *sorted(link.idle(values)))
 
 
-def _judge(problem: Problem, base: Base, effect: str) -> Guess | None:
+def judge(problem: Problem, base: Base, effect: str) -> Guess | None:
     """What a refit could leave with a guess, which is the model of the problem.
 
     None where that is no start or not to be simulated.

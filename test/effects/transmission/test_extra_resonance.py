@@ -35,6 +35,22 @@ def test_alone_it_is_exact(alone: Alone, share: float) -> None:
     np.testing.assert_allclose(out, lfilter(numerator[0], denominator, x), atol=1e-9)
 
 
+def test_two_modes_add_up(alone: Alone) -> None:
+    first = {"share": 0.2, "frequency": 180.0, "damping": 0.03}
+    second = {"share": -0.1, "frequency": 260.0, "damping": 0.02}
+    x = np.random.default_rng(6).normal(size=300).cumsum()
+    x[0] = 0.0
+    out, one, other = (
+        alone("extra_resonance", values, x, (0.4e-3,), row=POSITION, ramped=True)
+        for values in (
+            first | {"second": -0.1, "second_frequency": 260.0, "second_damping": 0.02},
+            first,
+            second,
+        )
+    )
+    np.testing.assert_allclose(out - x, (one - x) + (other - x), atol=1e-12)
+
+
 @pytest.mark.parametrize(("drag", "hardening"), [(3e4, 0.0), (0.0, 4e10), (2e4, -2e10)])
 def test_drag_and_hardening_against_an_integrator(
     alone: Alone, drag: float, hardening: float
