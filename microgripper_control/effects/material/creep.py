@@ -42,11 +42,11 @@ def time_constants(values: Values) -> Array:
 
 
 @compiled
-def relaxed(late: float, decay: float) -> float:
-    """What is left of activation (w - s) at the end of a step: tanh(late / 2) decays."""
-    falls = math.exp(-abs(late))
-    short = 2.0 * falls / (1.0 + falls)  # of tanh(|late| / 2), to 1
-    left = math.log((1.0 + decay * (1.0 - short)) / (1.0 - decay + decay * short))
+def relaxed(late: float, falls: float) -> float:
+    """What is left of activation (w - s) at the end of a step in which tanh(late / 2) `falls`."""
+    small = math.exp(-abs(late))
+    short = 2.0 * small / (1.0 + small)  # of tanh(|late| / 2), to 1
+    left = math.log((1.0 + (1.0 - falls) * (1.0 - short)) / (falls + (1.0 - falls) * short))
     return left if late >= 0.0 else -left
 
 
@@ -66,9 +66,9 @@ def _crept_activated(row: Array, elements: Array, old: float, new: float) -> flo
     """The same of elements that are activated: they relax at a w between the two."""
     activation, total = row[1], 0.0
     for i in range(ELEMENTS):
-        decay, before, after = row[2 + 3 * i], row[3 + 3 * i], row[4 + 3 * i]
+        falls, before, after = row[2 + 3 * i], row[3 + 3 * i], row[4 + 3 * i]
         w = before * old + after * new
-        elements[i] = w - relaxed(activation * (w - elements[i]), decay) / activation
+        elements[i] = w - relaxed(activation * (w - elements[i]), falls) / activation
         total += elements[i]
     return total
 
@@ -77,7 +77,8 @@ def _crept_activated(row: Array, elements: Array, old: float, new: float) -> flo
 def kernel(coefficients: Array, state: Array, bus: Array) -> None:
     """State: w so far, then the s_i.
 
-    A row: c, activation, then (decay, share of the old w, of the new) of each element.
+    A row: c, activation, then of each element (decay, share of the old w, of the new); of those
+    that are activated the first is what falls away.
     """
     elements = state[1:]
     steps, step = coefficients.shape[0], 0
@@ -100,15 +101,14 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     rows = []
     for step in timing.steps:
         y = step / time_constants(values)
-        decay = np.exp(-y)
-        mean = -np.expm1(-y) / y  # of the decay over the step
+        decay, falls = np.exp(-y), -np.expm1(-y)
         if activation:
             before = np.full(ELEMENTS, 0.5 if timing.ramped else 0.0)
-            after = 1.0 - before
+            elements = [falls, before, 1.0 - before]
         else:
-            before = mean - decay if timing.ramped else np.zeros(ELEMENTS)
-            after = -np.expm1(-y) - before
-        rows.append([share, activation, *np.column_stack([decay, before, after]).flat])
+            before = falls / y - decay if timing.ramped else np.zeros(ELEMENTS)
+            elements = [decay, before, falls - before]
+        rows.append([share, activation, *np.column_stack(elements).flat])
     state = np.full(1 + ELEMENTS, levels[FREE])
     levels[PLACES + FREE] *= 1.0 + share * ELEMENTS
     return Prepared(np.array(rows), state, timing.ramped)

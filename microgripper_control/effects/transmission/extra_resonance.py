@@ -115,7 +115,7 @@ def _band(scales: Scales) -> Sequence[float]:
     """
     highest = 0.5 / scales.sample_period
     lowest = max(1.0, 5.0 / scales.duration, 2e-3 * highest)
-    return list(np.geomspace(lowest, highest, 70)) if highest > lowest else []
+    return [float(f) for f in np.geomspace(lowest, highest, 70)] if highest > lowest else []
 
 
 def idle(values: Values) -> Collection[str]:

@@ -51,6 +51,20 @@ def test_two_modes_add_up(alone: Alone) -> None:
     np.testing.assert_allclose(out - x, (one - x) + (other - x), atol=1e-12)
 
 
+def test_what_two_modes_can_add_to_a_loop_is_what_both_can(paper: Model) -> None:
+    first, second = (0.2, 180.0, 0.03), (-0.1, 260.0, 0.02)
+    names, others = (
+        ("share", "frequency", "damping"),
+        ("second", "second_frequency", "second_damping"),
+    )
+    one, other = (
+        paper.with_link("extra_resonance", **dict(zip(names, mode, strict=True))).ringing
+        for mode in (first, second)
+    )
+    both = dict(zip(names, first, strict=True)) | dict(zip(others, second, strict=True))
+    assert paper.with_link("extra_resonance", **both).ringing == pytest.approx(one + other)
+
+
 @pytest.mark.parametrize(("drag", "hardening"), [(3e4, 0.0), (0.0, 4e10), (2e4, -2e10)])
 def test_drag_and_hardening_against_an_integrator(
     alone: Alone, drag: float, hardening: float
