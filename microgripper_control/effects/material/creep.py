@@ -29,7 +29,8 @@ from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Val
 
 ELEMENTS = 8
 MOST = 0.2  # of a step in a decade: what is still called creep
-ACTIVATED = (5.0, 20.0)  # first guesses, over the stroke
+# First guesses of activated elements: how slow, times the longest, and how activated, per stroke.
+ACTIVATED = ((1.0, 5.0), (100.0, 20.0))
 UNFINISHED = 3.0  # times the creep after a step over the stroke: wider ones may lie before
 
 
@@ -140,9 +141,12 @@ def starts(scales: Scales) -> Sequence[Values]:
     middle = math.sqrt(shortest * longest)
     spans = ((shortest, longest), (shortest, middle), (middle, longest))
     activated = [
-        {"fastest": slowest / 10.0, "slowest": slowest, "activation": times / scales.stroke}
-        for slowest in (longest, 1e2 * longest)
-        for times in ACTIVATED
+        {
+            "fastest": 0.1 * slow * longest,
+            "slowest": slow * longest,
+            "activation": activation / scales.stroke,
+        }
+        for slow, activation in ACTIVATED
     ]
     return [*({"fastest": fastest, "slowest": slowest} for fastest, slowest in spans), *activated]
 
