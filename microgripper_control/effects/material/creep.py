@@ -43,7 +43,7 @@ def time_constants(values: Values) -> Array:
 
 
 @compiled
-def relaxed(late: float, falls: float) -> float:
+def _relaxed(late: float, falls: float) -> float:
     """What is left of activation (w - s) at the end of a step in which tanh(late / 2) `falls`."""
     small = math.exp(-abs(late))
     short = 2.0 * small / (1.0 + small)  # of tanh(|late| / 2), to 1
@@ -69,7 +69,7 @@ def _crept_activated(row: Array, elements: Array, old: float, new: float) -> flo
     for i in range(ELEMENTS):
         falls, before, after = row[2 + 3 * i], row[3 + 3 * i], row[4 + 3 * i]
         w = before * old + after * new
-        elements[i] = w - relaxed(activation * (w - elements[i]), falls) / activation
+        elements[i] = w - _relaxed(activation * (w - elements[i]), falls) / activation
         total += elements[i]
     return total
 

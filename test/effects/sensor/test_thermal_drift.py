@@ -7,6 +7,8 @@ import pytest
 
 from microgripper_control.core.signals import Array
 from microgripper_control.effects.registry import link_named
+from microgripper_control.effects.sensor.thermal_drift import TENTHS
+from microgripper_control.identification.nuisance import BLOCKS
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.simulate import simulate
 
@@ -42,10 +44,15 @@ def test_weights_are_what_has_drifted_until_each_knot() -> None:
 def test_between_two_knots_it_knows_of_the_next_ones_only() -> None:
     far = np.zeros(9)
     far[5] = 1.0  # the knot at 0.6
-    inside = (weights := far @ shapes()) != 0.0
+    course = far @ shapes()
+    inside = course != 0.0
     assert TIME[inside][0] > 0.4 * TIME[-1] - PERIOD
     assert TIME[inside][-1] < 0.8 * TIME[-1] + PERIOD
-    assert np.max(np.abs(weights)) < 1.2
+    assert np.max(np.abs(course)) < 1.2
+
+
+def test_the_knots_lie_where_the_blocks_of_a_held_out_recording_meet() -> None:
+    assert TENTHS == BLOCKS
 
 
 def test_a_steady_drift_is_met_exactly() -> None:
