@@ -3,32 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.diagnosis.answers import answer
 from microgripper_control.diagnosis.answers.answer import Weighed
 from microgripper_control.diagnosis.answers.colour import coloured_noise
+from microgripper_control.diagnosis.answers.comparison import Comparison
 from microgripper_control.diagnosis.answers.sentence import sentence
-from microgripper_control.diagnosis.answers.shrinkage import closed_fraction, closed_interval
 from microgripper_control.diagnosis.answers.weighing import Facts, weigh
 from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.data.readings import reading_warnings
-from microgripper_control.diagnosis.data.residuals import Residual, residuals_of
+from microgripper_control.diagnosis.data.residuals import residuals_of
 from microgripper_control.diagnosis.experiments.experiment import next_experiment
 from microgripper_control.diagnosis.findings import (
     EFFECTS,
     NONE,
     Diagnosis,
-    Gap,
-    Judged,
     NextExperiment,
     Signature,
 )
 from microgripper_control.diagnosis.fits.fitting import FINE
 from microgripper_control.diagnosis.fits.hold_check import hold_warnings
 from microgripper_control.diagnosis.fits.identified_model import identified
-from microgripper_control.diagnosis.fits.trial import Trial, judged
+from microgripper_control.diagnosis.fits.trial import Trial
 from microgripper_control.diagnosis.fits.unseen import unseen_gap, unseen_warning
 from microgripper_control.diagnosis.search.exploration import alone, together
 from microgripper_control.diagnosis.search.finishing import refined
@@ -97,16 +95,12 @@ def diagnose(
     signs = signatures([*judging, *fitted], pool.noise_floor)
     given = _answer(explored, signs)
     found = answer.candidates(given.weighed, pool, names, signs, given.model)
-    before, refit, best = (
-        _as_shown(nominal, explored.whole, on_all(explored.whole, explored.lean, trial))
-        for trial in (explored.nominal, pool.refit, _as_it_foretells(pool.evidence, given.best))
+    compared = Comparison.of(
+        explored.whole, explored.lean, explored.nominal, pool.refit, given.best
     )
     model = given.model.with_rounding_of(nominal)
-    floor = pool.noise_floor
-    if nominal.rounding:  # which way a reading is rounded no model foretells
-        floor = min(trial.noise_floor for trial in (before, refit, best))
     free_form = explainable(fitted, judging, pool.noise_floor)
-    gap = _gap(explored.whole, floor, before, refit, best, free_form)
+    gap = compared.gap(pool.noise_floor, free_form)
     where = tuple(locate([*judging, *fitted], pool.noise_floor))
     groups = answer.ambiguous(given.weighed, pool) if given.verdict == EFFECTS else ()
     told = sentence(
@@ -131,12 +125,12 @@ def diagnose(
         ambiguous=groups,
         next_experiment=_next(given.weighed, pool),
         nominal=nominal,
-        refit=refit.model,
+        refit=compared.refit.model,
         model=model,
         conditions=whole.conditions,
-        judged=_judged(explored.whole, judging, before, refit, best),
+        judged=compared.judged(judging),
         shares=_shares(pool, given.effects, given.best),
-        warnings=(*readings, *explored.warnings, *hold_warnings(pool.evidence, refit)),
+        warnings=(*readings, *explored.warnings, *hold_warnings(pool.evidence, compared.refit)),
     )
 
 
@@ -195,70 +189,6 @@ def _next(weighed: Weighed, pool: Pool) -> NextExperiment | None:
     rivals = [trial.model for trial in answer.rivals(weighed, pool)]
     evidence = pool.evidence
     return next_experiment(rivals, evidence.fitted[0], evidence.conditions, pool.noise_floor)
-
-
-def _as_it_foretells(evidence: Evidence, trial: Trial) -> Trial:
-    """An explanation, its readings rounded by a grid or as they are before: what comes nearer.
-
-    Which way a reading is rounded no model foretells; where it is off by much of a step, to round
-    its prediction as well only adds to that.
-    """
-    if not trial.model.rounding:
-        return trial
-    smooth = judged(evidence, replace(trial, model=trial.model.without(trial.model.rounding)))
-    return min(trial, smooth, key=lambda one: one.both)
-
-
-def _as_shown(nominal: Model, evidence: Evidence, trial: Trial) -> Trial:
-    """A trial, judged by readings that are rounded as the rig's model has it, if it does."""
-    model = trial.model.with_rounding_of(nominal)
-    return trial if model is trial.model else judged(evidence, replace(trial, model=model))
-
-
-def on_all(whole: Evidence, lean: Evidence, trial: Trial) -> Trial:
-    """A trial judged on all judging samples, if it was judged on a part of them."""
-    return trial if whole is lean else judged(whole, trial)
-
-
-def _gap(
-    evidence: Evidence, floor: float, nominal: Trial, refit: Trial, best: Trial, free_form: float
-) -> Gap:
-    low, high = closed_interval(refit.errors, best.errors, floor)
-    return Gap(
-        nominal=nominal.rmse,
-        refit=refit.rmse,
-        augmented=best.rmse,
-        noise_floor=floor,
-        closed=closed_fraction(refit.rmse, best.rmse, floor),
-        closed_low=low,
-        closed_high=high,
-        free_form=free_form,
-        separate=evidence.apart,
-    )
-
-
-def _judged(
-    evidence: Evidence,
-    residuals: Sequence[Residual],
-    nominal: Trial,
-    refit: Trial,
-    augmented: Trial,
-) -> tuple[Judged, ...]:
-    """What the three models say about each judging recording."""
-    said = [evidence.predictions(trial.model) for trial in (nominal, refit, augmented)]
-    return tuple(
-        Judged(
-            recording,
-            before.counted,
-            before.prediction,
-            after.prediction,
-            last.prediction,
-            residual.zero,
-        )
-        for recording, residual, before, after, last in zip(
-            evidence.judged, residuals, *said, strict=True
-        )
-    )
 
 
 def _shares(pool: Pool, effects: Sequence[str], best: Trial) -> Mapping[str, float]:

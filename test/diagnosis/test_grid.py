@@ -9,10 +9,10 @@ import pytest
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
+from microgripper_control.diagnosis.answers.comparison import _as_it_foretells
 from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.data.grid import NO_GRID, Grid, noise_under, refuted
 from microgripper_control.diagnosis.data.levels import grid_of
-from microgripper_control.diagnosis.diagnose import _as_it_foretells
 from microgripper_control.diagnosis.search.refit import nominal_trial
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.model import nominal_model
