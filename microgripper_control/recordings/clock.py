@@ -2,8 +2,10 @@
 
 Stamps jitter, repeat and miss. Where the samples are the ticks of a uniform clock, up to a jitter
 that does not matter or to the digits that the stamps are written with, they are taken as they are
-and only missing ticks are filled in. Otherwise the signals are read off at equal intervals. What
-was done is said in the recording's warnings.
+and only missing ticks are filled in. So are those of a loop that waits a period after each, a
+little more or less, and so wanders off: what was commanded at one tick is answered at the next,
+however long that takes. Otherwise the signals are read off at equal intervals, which moves a held
+voltage by up to one of them. What was done is said in the recording's warnings.
 """
 
 from __future__ import annotations
@@ -19,6 +21,8 @@ from microgripper_control.core.recording import Recording, check_samples
 from microgripper_control.core.signals import Array
 
 LARGEST_JITTER = 0.02  # of the sample period, of 95 % of the stamps: below it they are uniform
+LARGEST_STEP = 0.25  # of the sample period: if 95 % of the steps are as near to whole ones,
+FARTHEST = 0.01  # and no sample is off by more of the recording, it is a clock that jitters
 COARSEST_DIGIT = 0.35  # of the sample period: the last that stamps of a uniform clock may have
 CLEARLY_LATE = 0.1  # of the sample period
 MOST_REPEATED = 0.1  # of the stamps: beyond it they have too few digits
@@ -160,8 +164,8 @@ def _positions(name: str, time: Array, notes: list[str]) -> tuple[float, Array]:
         clock = _Clock.through(time, _ticks_with_gaps(time))
     steps = np.diff(time)
     uniform = clock.fits(time)
-    period = clock.period if uniform else _typical(steps)
-    known = clock.ticks if uniform else (time - time[0]) / period
+    period, known = (clock.period, clock.ticks) if uniform else _by_steps(time)
+    ticked = np.array_equal(known, np.rint(known))
     missing = int(known[-1] + 1e-6) + 1 - len(known)
     too_few = missing > MOST_MISSING * len(known)
     if too_few or not uniform:
@@ -176,13 +180,32 @@ def _positions(name: str, time: Array, notes: list[str]) -> tuple[float, Array]:
     if uniform:
         notes.extend(clock.late_stamps())
     else:
-        notes.append(
-            f"samples are unequally spaced ({np.std(steps) / period:.1%} of the period rms): "
-            f"resampled at {period:.6g} s, voltage held, displacement interpolated"
-        )
-    if uniform and missing:
+        resampled = f"resampled at {period:.6g} s, voltage held, displacement interpolated"
+        done = f"taken as ticks of a clock of {period:.6g} s" if ticked else resampled
+        spread = np.std(steps) / period
+        notes.append(f"samples are unequally spaced ({spread:.1%} of the period rms): {done}")
+    if ticked and missing:
         notes.append(f"missing samples: {missing}, {gap}; voltage held, displacement interpolated")
     return period, known
+
+
+def _by_steps(time: Array) -> tuple[float, Array]:
+    """The sample period, s, and where samples lie by the steps between them.
+
+    On ticks that are counted one after another if all steps are near whole periods, or else
+    wherever their time has them.
+    """
+    steps = np.diff(time)
+    typical = _typical(steps)
+    counted = np.maximum(1.0, np.rint(steps / typical))
+    ticks = np.append(0.0, np.cumsum(counted))
+    duration = float(time[-1] - time[0])
+    period = duration / float(ticks[-1])
+    jitter = np.quantile(np.abs(steps / period - counted), 0.95)
+    wandered = np.ptp(time - time[0] - period * ticks)
+    if jitter <= LARGEST_STEP and wandered <= FARTHEST * duration:
+        return period, ticks
+    return typical, (time - time[0]) / typical
 
 
 def _refuse_bursts(name: str, steps: Array) -> None:

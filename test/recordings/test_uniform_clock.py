@@ -6,6 +6,8 @@ import pytest
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
+from microgripper_control.plant.model import nominal_model
+from microgripper_control.plant.simulate import simulate
 from microgripper_control.recordings.clock import Samples, on_uniform_clock
 
 PERIOD = 1e-3
@@ -73,6 +75,45 @@ def test_large_jitter_is_resampled() -> None:
     # A step is taken over at the nearest instant, half a period away at most.
     assert np.mean(recording.voltage != voltage_at(at)) < 0.06
     assert np.all(np.abs(recording.voltage - voltage_at(at)) <= 10.0)
+
+
+def wandering(jitter: float) -> Array:
+    """Stamps of a loop that waits a period after each sample, a little more or less."""
+    steps = PERIOD * (1.0 + jitter * np.random.default_rng(5).standard_normal(COUNT - 1))
+    return np.append(0.0, np.cumsum(steps))
+
+
+@pytest.mark.parametrize("jitter", [0.02, 0.1])
+@pytest.mark.parametrize("lost", [[], [300, 301, 1700]])
+def test_ticks_that_wander_are_taken_one_by_one(jitter: float, lost: list[int]) -> None:
+    time = wandering(jitter)
+    assert np.ptp(time - TIME) > 0.8 * PERIOD
+    present = np.ones(COUNT, bool)
+    present[lost] = False
+    recording = read(time[present], when=TIME[present])
+    assert len(recording) == COUNT
+    assert recording.displacement is not None
+    assert np.array_equal(recording.displacement[present], displacement_at(TIME[present]))
+    assert recording.sample_period == pytest.approx(time[-1] / (COUNT - 1), rel=1e-9)
+    assert "unequally spaced" in recording.warnings[0]
+    assert "taken as ticks of a clock of 0.00100" in recording.warnings[0]
+    assert len(recording.warnings) == 1 + bool(lost)
+
+
+def test_what_a_wandering_loop_records_is_what_the_rig_does() -> None:
+    """A rig that is marched through the true instants, held beside one with even ticks."""
+    fine = 1e-5
+    ticks = np.rint(wandering(0.02) / fine).astype(int)
+    voltage = 75.0 + 70.0 * np.sin(2.0 * np.pi * 3.0 * TIME)
+    held = voltage[np.searchsorted(ticks, np.arange(ticks[-1] + 1), side="right") - 1]
+    measured = simulate(nominal_model(), held, fine)[ticks]
+    recording = on_uniform_clock("run", Samples(fine * ticks, voltage, measured))
+    error = simulate(nominal_model(), recording.voltage, recording.sample_period) - measured
+    assert np.std(error) < 1e-9
+    even = np.arange(1990.0)
+    resampled = Samples(fine * ticks, voltage, measured).on(fine * ticks / PERIOD, even)
+    wrong = simulate(nominal_model(), resampled.voltage, PERIOD) - resampled.displacement
+    assert np.std(wrong) > 20e-9
 
 
 def test_resampling_a_slowly_drifting_clock_meets_the_instants() -> None:
