@@ -281,6 +281,23 @@ def test_a_further_effect_is_named_if_it_is_worth_much_more(
     assert chosen({CREEP: 0.1, LAG: 0.01, BOTH: with_both, NOTHING: 0.2}, pool) == named
 
 
+@pytest.mark.parametrize(
+    ("left", "with_both", "named"), [(22.0, 0.2, BOTH), (32.0, 0.2, CREEP), (22.0, 0.08, CREEP)]
+)
+def test_a_second_effect_is_named_if_it_takes_most_of_the_rest(
+    left: float, with_both: float, named: frozenset[str]
+) -> None:
+    """Creep alone leaves 40 nm and is as probable as 0.1; the noise is 15 nm."""
+    model = nominal_model()
+    creep, lag = model.with_link("creep"), model.with_link("sensor_lag")
+    both = creep.with_link("sensor_lag")
+    pool = pool_of({CREEP: trial(creep, 40.0), LAG: trial(lag, 50.0), BOTH: trial(both, left)})
+    quiet = frozenset(["creep", "mains_hum"])
+    pool.tried[quiet] = trial(creep.with_link("mains_hum"), 15.0)
+    weighed = {CREEP: 0.1, LAG: 0.01, BOTH: with_both, quiet: 0.0, NOTHING: 0.2}
+    assert chosen(weighed, pool) == named
+
+
 def test_an_effect_that_was_fitted_away_beside_another_is_no_explanation() -> None:
     creep = nominal_model().with_link("creep")
     gone = creep.with_link("sensor_lag", averaging=0.0, time_constant=0.0, curvature=0.0, clock=0.0)

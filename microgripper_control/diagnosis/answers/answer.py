@@ -21,7 +21,7 @@ from microgripper_control.diagnosis.findings import (
     Candidate,
     Signature,
 )
-from microgripper_control.diagnosis.fits.trial import Trial, limits_of
+from microgripper_control.diagnosis.fits.trial import Trial, evenly, limits_of
 from microgripper_control.diagnosis.search.pool import Pool
 from microgripper_control.effects.base import Stage
 from microgripper_control.effects.registry import registry
@@ -29,7 +29,8 @@ from microgripper_control.plant.model import Model, Setting
 
 Weighed = Mapping[Explanation, float]
 ANSWERS = {NOTHING: NONE, MISTUNED: PARAMETERS, OUTSIDE: UNKNOWN}
-WORTH_NAMING = 5.0  # times as probable as without it: a further effect that is named
+WORTH_NAMING = 5.0  # times as probable as without it: a further effect that is named,
+TAKES_MOST = 0.5  # or a second one that is no less so, and leaves less than so much of the rest
 RIVAL = 0.15  # of the chosen explanation's probability: may be it for all we know,
 EQUAL = 0.8  # and what cannot be told from it, if it leaves about as much:
 ALIKE = 0.5  # of the noise floor, beyond what the chosen one leaves, at most
@@ -63,8 +64,8 @@ def chosen(weighed: Weighed, pool: Pool) -> Explanation:
 
     One effect may share its probability among several sets with others: the answer begins with the
     effect that stands first among the candidates. What its law leaves, not being the rig's own,
-    many others could take up a little: one is named beside it only if that is worth much more.
-    Empty if none was tried.
+    many others could take up a little: one is named beside it only if that is worth much more, or
+    if it takes most of it away. Empty if none was tried.
     """
     led = _led(weighed, pool)
     if not led:
@@ -74,10 +75,25 @@ def chosen(weighed: Weighed, pool: Pool) -> Explanation:
     while smaller := [
         fewer
         for fewer in (best - {name} for name in best)
-        if own.get(fewer, 0.0) > own[best] / WORTH_NAMING
+        if fewer in own and not _is_worth_naming(best, fewer, own, pool)
     ]:
         best = max(smaller, key=lambda effects: own[effects])
     return best
+
+
+def _is_worth_naming(more: Explanation, fewer: Explanation, own: Weighed, pool: Pool) -> bool:
+    """Whether an effect that one explanation has and the other has not is named."""
+    if own[fewer] <= own[more] / WORTH_NAMING:
+        return True
+    rest = _rest(fewer, pool)
+    shows = len(fewer) == 1 and rest > pool.noise_floor and own[fewer] <= own[more]
+    return shows and _rest(more, pool) < TAKES_MOST * rest
+
+
+def _rest(effects: Explanation, pool: Pool) -> float:
+    """What an explanation leaves beyond noise, m rms, of both kinds of samples."""
+    left = explained(effects, pool.tried[effects], pool)
+    return evenly(*(removable(error, pool.noise_floor) for error in left))
 
 
 def by_importance(effects: Explanation, pool: Pool) -> tuple[str, ...]:

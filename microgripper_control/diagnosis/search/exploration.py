@@ -30,6 +30,7 @@ from microgripper_control.diagnosis.search.pool import Pool, is_read_off, strong
 from microgripper_control.diagnosis.search.resettling import afresh, again_if_settled
 from microgripper_control.diagnosis.search.rounds import Progress, play, silent
 from microgripper_control.diagnosis.search.schedule import side_by_side
+from microgripper_control.diagnosis.search.superposition import add_superposed
 from microgripper_control.diagnosis.signs.signatures import signatures
 from microgripper_control.effects.registry import registry
 
@@ -113,6 +114,8 @@ def _add_further(names: Sequence[str], pool: Pool, progress: Progress, jobs: int
         for leader in pool.best(size, BEAM):
             if _may_lead(leader, pool, size, shown):
                 _join(leader, names, pool, progress, jobs)
+        if size == 1:  # neither of two effects need be among the best alone
+            add_superposed(names, pool, progress, jobs)
         if not _worth_joining(pool, size + 1):
             return
 

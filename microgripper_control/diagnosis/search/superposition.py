@@ -1,0 +1,74 @@
+"""Which two effects may explain together what neither does alone, told by what each takes away.
+
+To first order two small effects add up. What each takes away by itself, as much of it as fits best
+beside the other and beside the base parameters, tells what both would leave. That takes a linear
+least-squares fit for a pair, so that all are asked: neither needs to be among the best alone.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from itertools import combinations
+
+import numpy as np
+from scipy.optimize import nnls
+
+from microgripper_control.core.signals import Array
+from microgripper_control.diagnosis.data.evidence import Evidence
+from microgripper_control.diagnosis.fits.fitting import Base, base_of
+from microgripper_control.diagnosis.fits.trial import Trial, problem_of
+from microgripper_control.diagnosis.search.labour import may_join
+from microgripper_control.diagnosis.search.pool import Pool, strongest
+from microgripper_control.diagnosis.search.rounds import Progress, play, silent
+from microgripper_control.identification.nuisance import Projection
+
+Pair = frozenset[str]
+
+TRIED = 6  # pairs at most, the most promising,
+AS_GOOD = 1.1  # times what the best of all would leave: those that would leave more are none
+
+
+def add_superposed(
+    names: Sequence[str], pool: Pool, progress: Progress = silent, jobs: int = -1
+) -> None:
+    """Try the most promising pairs that were not tried yet, as long as more than noise is left."""
+    left = superposed(names, pool)
+    least = min(left.values(), default=math.inf)
+    near = [pair for pair in left if left[pair] <= AS_GOOD * least]
+    for pair in [pair for pair in near if pair not in pool.tried][:TRIED]:
+        if not pool.leaves_a_rest(pool.leader):
+            return
+        first, second = strongest(pair, pool)
+        leader = pool.tried[Pair([first])]
+        if may_join(pool.evidence, leader, second):
+            base = base_of(pool.evidence, leader)
+            play(pool.evidence, [base], [second], 1, pool, progress, jobs)
+
+
+def superposed(names: Sequence[str], pool: Pool) -> dict[Pair, float]:
+    """What two of some effects that were tried alone would leave of the fitted samples, m rms.
+
+    The pair that would leave the least comes first.
+    """
+    base = base_of(pool.evidence, pool.refit)
+    alone = {name: pool.tried[Pair([name])] for name in names if Pair([name]) in pool.tried}
+    taken = {name: _taken(pool.evidence, base, trial) for name, trial in alone.items()}
+    left = {Pair(pair): _left(base, taken, pair) for pair in combinations(taken, 2)}
+    return dict(sorted(left.items(), key=lambda one: one[1]))
+
+
+def _taken(evidence: Evidence, base: Base, trial: Trial) -> Array:
+    """What an effect alone takes away, m, that the base parameters cannot, shape (samples,)."""
+    problem = problem_of(evidence, trial.model, trial.free)
+    residual = problem.residuals(problem.point(trial.model, trial.initial_hysteresis))
+    return Projection(base.basis)(base.residual - residual)
+
+
+def _left(base: Base, taken: Mapping[str, Array], pair: Sequence[str]) -> float:
+    columns = np.column_stack([taken[name] for name in pair])
+    sizes = np.linalg.norm(columns, axis=0)
+    if not math.isfinite(sizes.sum()) or not sizes.all():
+        return math.inf  # an effect that was fitted away, or that diverges
+    _, left = nnls(columns / sizes, base.rest)
+    return float(left) / math.sqrt(len(base.rest))

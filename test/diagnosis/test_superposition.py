@@ -1,0 +1,79 @@
+"""Two effects add up: what each takes away alone tells which two belong together."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from microgripper_control.core.recording import Recording
+from microgripper_control.diagnosis.data.evidence import Evidence
+from microgripper_control.diagnosis.fits.fitting import base_of, begun
+from microgripper_control.diagnosis.fits.trial import with_guess
+from microgripper_control.diagnosis.search import superposition
+from microgripper_control.diagnosis.search.finishing import POLISHED, refined
+from microgripper_control.diagnosis.search.pool import Pool
+from microgripper_control.diagnosis.search.refit import nominal_trial, refit_trial
+from microgripper_control.diagnosis.search.superposition import add_superposed, superposed
+from microgripper_control.effects.registry import registry
+from microgripper_control.identification.nuisance import Conditions
+from microgripper_control.plant.model import Model, nominal_model
+from microgripper_control.plant.simulate import simulate
+
+NOISE = 10e-9  # m
+TRUE = {"creep": {"strength": 0.03}, "extra_resonance": {"share": 0.1, "frequency": 90.0}}
+ALONE = ("amplifier_lag", "backlash", *TRUE)
+
+
+def tried_alone(rig: Model) -> Pool:
+    """What some effects explain, one at a time, of a rig that is driven by steps."""
+    rng = np.random.default_rng(8)
+    voltage = np.repeat(rng.uniform(20.0, 140.0, 60), 100)
+    x = simulate(rig, voltage, 1e-3) + NOISE * rng.standard_normal(len(voltage))
+    recordings = [Recording("run", 1e-3, voltage, x)]
+    evidence = Evidence.gather(recordings, [], Conditions(), nominal_model())
+    before = nominal_trial(evidence, nominal_model())
+    pool = Pool(evidence, before, refit_trial(evidence, before))
+    for name in ALONE:
+        values = TRUE.get(name) or registry()[name].starts(evidence.scales)[0]
+        guess = with_guess(pool.refit.model, name, values)
+        pool.add(
+            refined(evidence, begun(base_of(evidence, pool.refit), guess, [name]), POLISHED, 9)
+        )
+    return pool
+
+
+def test_what_two_leave_is_a_least_squares_fit_of_what_each_takes_away() -> None:
+    rng = np.random.default_rng(3)
+    a, b, noise = np.linalg.qr(rng.standard_normal((500, 3)))[0].T
+    base: Any = SimpleNamespace(rest=2.0 * a + 0.5 * b + 0.1 * noise)
+    taken = {"one": 7.0 * a, "other": 0.1 * b, "reversed": -b, "nothing": 0.0 * a}
+    scale = np.sqrt(500.0)
+    assert superposition._left(base, taken, ("one", "other")) == pytest.approx(0.1 / scale)
+    # None may work the other way round than it does alone.
+    alone = np.hypot(0.5, 0.1) / scale
+    assert superposition._left(base, taken, ("one", "reversed")) == pytest.approx(alone)
+    assert superposition._left(base, taken, ("one", "nothing")) == np.inf
+
+
+def test_the_two_at_work_promise_most_and_are_tried() -> None:
+    rig = nominal_model()
+    for name, values in TRUE.items():
+        rig = rig.with_link(name, **values)
+    pool = tried_alone(rig)
+    left = superposed(ALONE, pool)
+    assert len(left) == 6
+    assert next(iter(left)) == frozenset(TRUE)
+    assert list(left.values()) == sorted(left.values())
+    assert pool.leader.rmse > 5.0 * NOISE
+    add_superposed(ALONE, pool, jobs=1)
+    assert pool.leader is pool.tried[frozenset(TRUE)]
+    assert pool.leader.rmse < 1.5 * NOISE
+
+
+def test_where_one_effect_leaves_noise_no_two_are_tried() -> None:
+    pool = tried_alone(nominal_model().with_link("creep", **TRUE["creep"]))
+    add_superposed(ALONE, pool, jobs=1)
+    assert {len(effects) for effects in pool.tried} == {1}
