@@ -10,18 +10,22 @@ voltage by up to one of them. What was done is said in the recording's warnings.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import uniform_filter1d
 
 from microgripper_control.core.errors import MicrogripperError, one_line
+from microgripper_control.core.quantities import quantity
 from microgripper_control.core.recording import Recording, check_samples
 from microgripper_control.core.signals import Array
+from microgripper_control.recordings.spikes import spikes
 
 LARGEST_JITTER = 0.02  # of the sample period, of 95 % of the stamps: below it they are uniform
 LARGEST_STEP = 0.25  # of the sample period: if 95 % of the steps are as near to whole ones,
+SWAY = 12  # samples within which it goes from one phase to another,
 FARTHEST = 0.01  # and no sample is off by more of the recording, it is a clock that jitters
 COARSEST_DIGIT = 0.35  # of the sample period: the last that stamps of a uniform clock may have
 CLEARLY_LATE = 0.1  # of the sample period
@@ -88,6 +92,7 @@ def on_uniform_clock(name: str, samples: Samples, warnings: tuple[str, ...] = ()
     if not np.array_equal(known, wanted):
         samples = samples.on(known, wanted)
         read = _read(known, wanted, notes)
+    samples, read = _without_spikes(samples, read, notes)
     return Recording(
         name=name,
         sample_period=float(f"{period:.12g}"),  # 0.001 again, not 0.0010000000000000002
@@ -98,6 +103,26 @@ def on_uniform_clock(name: str, samples: Samples, warnings: tuple[str, ...] = ()
         warnings=tuple(map(one_line, notes)),
         read=read,
     )
+
+
+def _without_spikes(
+    samples: Samples, read: NDArray[np.bool_] | None, notes: list[str]
+) -> tuple[Samples, NDArray[np.bool_] | None]:
+    """The samples with the neighbours' mean in the place of each spike, which was not read."""
+    displacement = samples.displacement
+    if displacement is None or not len(found := spikes(samples.voltage, displacement)):
+        return samples, read
+    middle = 0.5 * (displacement[found - 1] + displacement[found + 1])
+    farthest = np.max(np.abs(displacement[found] - middle))
+    notes.append(
+        f"spikes: {len(found)} single readings stand far off those around them, by up to "
+        f"{quantity(float(farthest), 'm')}, the first at sample {found[0]}; they do not count"
+    )
+    mended = displacement.copy()
+    mended[found] = middle
+    read = np.ones(len(mended), bool) if read is None else read.copy()
+    read[found] = False
+    return replace(samples, displacement=mended), read
 
 
 def _read(known: Array, wanted: Array, notes: list[str]) -> NDArray[np.bool_] | None:
@@ -114,7 +139,7 @@ def _read(known: Array, wanted: Array, notes: list[str]) -> NDArray[np.bool_] | 
 
 
 def _increasing(name: str, samples: Samples, notes: list[str]) -> Samples:
-    """The samples in the order of their stamps, without repeated ones."""
+    """The samples in the order of their stamps, without those that were stored twice."""
     samples = _in_order(samples, notes)
     time = samples.time
     bad = np.flatnonzero(~np.isfinite(time))
@@ -129,15 +154,20 @@ def _increasing(name: str, samples: Samples, notes: list[str]) -> Samples:
             f"{time[at]:.9g} s; cut the recording there"
         )
     repeated = int(np.count_nonzero(steps == 0.0))
-    if not repeated:
-        return samples
     if repeated > MOST_REPEATED * len(time):
         raise MicrogripperError(
             f"{name}: {repeated} of {len(time)} time stamps repeat the one before; "
             "write time with more digits"
         )
-    notes.append(f"repeated stamps: {repeated}; the samples were dropped")
-    samples = samples.where(np.append(True, steps > 0.0))
+    # Samples of one stamp that differ were taken in a stall, and stamped when it was over.
+    twice = np.append(False, steps == 0.0)
+    for signal in (samples.voltage, samples.displacement):
+        if signal is not None:
+            twice[1:] &= np.diff(signal) == 0.0
+    if not twice.any():
+        return samples
+    notes.append(f"repeated samples: {np.count_nonzero(twice)}; they were dropped")
+    samples = samples.where(~twice)
     check_samples(name, samples.voltage, samples.displacement, samples.setpoint)
     return samples
 
@@ -197,13 +227,12 @@ def _by_steps(time: Array) -> tuple[float, Array]:
     """
     steps = np.diff(time)
     typical = _typical(steps)
-    counted = np.maximum(1.0, np.rint(steps / typical))
-    ticks = np.append(0.0, np.cumsum(counted))
+    ticks = _ticks_with_gaps(time, SWAY)
     duration = float(time[-1] - time[0])
     period = duration / float(ticks[-1])
-    jitter = np.quantile(np.abs(steps / period - counted), 0.95)
+    off = np.abs(steps / period - np.diff(ticks))
     wandered = np.ptp(time - time[0] - period * ticks)
-    if jitter <= LARGEST_STEP and wandered <= FARTHEST * duration:
+    if np.quantile(off, 0.95) <= LARGEST_STEP and wandered <= FARTHEST * duration:
         return period, ticks
     return typical, (time - time[0]) / typical
 
@@ -295,13 +324,19 @@ def _typical(steps: Array) -> float:
     return float(np.mean(steps[np.abs(steps - middle) <= 0.5 * middle]))
 
 
-def _ticks_with_gaps(time: Array) -> Array:
-    """The ticks of a clock that fits most of the stamps, where samples are missing."""
+def _ticks_with_gaps(time: Array, sway: int = 0) -> Array:
+    """The ticks of a clock that fits most of the stamps, where samples are missing.
+
+    It may sway from one phase to another within some samples; with 0 it does not.
+    """
     period = _typical(np.diff(time))
     position = (time - time[0]) / period
-    phase = np.angle(np.mean(np.exp(2j * np.pi * position))) / (2.0 * np.pi)
+    phasor = np.exp(2j * np.pi * position)
+    mean = uniform_filter1d(phasor, sway, mode="nearest") if sway else np.mean(phasor)
+    phase = np.unwrap(np.atleast_1d(np.angle(mean))) / (2.0 * np.pi)
     ticks = np.rint(position - phase)
     # A stamp can be late, and then shares its tick with a later sample: it belongs to the last tick
     # that leaves one to each of those that follow.
     order = np.arange(float(len(time)))
-    return np.asarray(np.minimum.accumulate((ticks - order)[::-1])[::-1] + order)
+    ticks = np.minimum.accumulate((ticks - order)[::-1])[::-1] + order
+    return np.asarray(ticks - ticks[0])
