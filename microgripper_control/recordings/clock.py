@@ -154,6 +154,8 @@ def _increasing(name: str, samples: Samples, notes: list[str]) -> Samples:
             f"{time[at]:.9g} s; cut the recording there"
         )
     repeated = int(np.count_nonzero(steps == 0.0))
+    if not repeated:
+        return samples
     if repeated > MOST_REPEATED * len(time):
         raise MicrogripperError(
             f"{name}: {repeated} of {len(time)} time stamps repeat the one before; "
@@ -194,8 +196,8 @@ def _positions(name: str, time: Array, notes: list[str]) -> tuple[float, Array]:
         clock = _Clock.through(time, _ticks_with_gaps(time))
     steps = np.diff(time)
     uniform = clock.fits(time)
-    period, known = (clock.period, clock.ticks) if uniform else _by_steps(time)
-    ticked = np.array_equal(known, np.rint(known))
+    period, known = (clock.period, clock.ticks) if uniform else _swaying(time)
+    ticked = uniform or np.array_equal(known, np.rint(known))
     missing = int(known[-1] + 1e-6) + 1 - len(known)
     too_few = missing > MOST_MISSING * len(known)
     if too_few or not uniform:
@@ -219,14 +221,13 @@ def _positions(name: str, time: Array, notes: list[str]) -> tuple[float, Array]:
     return period, known
 
 
-def _by_steps(time: Array) -> tuple[float, Array]:
-    """The sample period, s, and where samples lie by the steps between them.
+def _swaying(time: Array) -> tuple[float, Array]:
+    """The sample period, s, and where samples lie, in periods from the first.
 
-    On ticks that are counted one after another if all steps are near whole periods, or else
-    wherever their time has them.
+    On the ticks of a clock that sways if nearly all steps are near whole periods, or else wherever
+    their time has them.
     """
     steps = np.diff(time)
-    typical = _typical(steps)
     ticks = _ticks_with_gaps(time, SWAY)
     duration = float(time[-1] - time[0])
     period = duration / float(ticks[-1])
@@ -234,6 +235,7 @@ def _by_steps(time: Array) -> tuple[float, Array]:
     wandered = np.ptp(time - time[0] - period * ticks)
     if np.quantile(off, 0.95) <= LARGEST_STEP and wandered <= FARTHEST * duration:
         return period, ticks
+    typical = _typical(steps)
     return typical, (time - time[0]) / typical
 
 

@@ -1,12 +1,14 @@
-"""Low-pass dynamics of the drive electronics, first to third order.
+"""Low-pass dynamics of the drive electronics, first to fourth order.
 
-    c t^2 w'' + t w' + w = u,   third T u_s' + u_s = w,   t = (1 - third) T,   0 <= c <= 1
+    c t^2 w'' + t w' + w = u,           t = (1 - third) T,          0 <= c <= 1
+    d t'^2 u_s'' + t' u_s' + u_s = w,   t' = third T,               0 <= d <= 1
 
 T is the lag behind a slow ramp. c tells the order: 0 is one lag, t; up to 1/4 it is two lags in a
 row that sum to t; at 1/2 the response is maximally flat; at 1 it peaks by 1.15, as that of a fed
 back amplifier with little phase to spare. Above 1/4 a step is overshot, by 4.3 % at 1/2 and 16 % at
 1, which the hysteresis behind remembers however short T is. A further lag behind takes the share
-`third` of T: filters of third order and, nearly, of any higher one.
+`third` of T and has a `third_curvature`, d, of its own: filters of third and fourth order and,
+nearly, of any higher one.
 
 The link comes last in the drive: what smooths is the output resistance into the stack's
 capacitance, behind the stage that clips and limits the current.
@@ -61,20 +63,21 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     rows = lag_rows(lag, values["curvature"] * lag**2, timing)
     state = [0.0, 0.0, levels[VOLTAGE]]
     if third > 0.0:
-        rows = np.vstack([rows, lag_rows(third, 0.0, replace(timing, ramped=True))])
+        square = values["third_curvature"] * third**2
+        rows = np.vstack([rows, lag_rows(third, square, replace(timing, ramped=True))])
         state *= 2
     return Prepared(rows, np.array(state), ramped=True)
 
 
 def idle(values: Values) -> Collection[str]:
-    """A lag of first or second order stays one: the third is told from these by shape alone."""
-    return ("third",) if values["third"] == 0.0 else ()
+    """A lag of first or second order stays one: a further is told from these by shape alone."""
+    return ("third", "third_curvature") if values["third"] == 0.0 else ()
 
 
 def starts(scales: Scales) -> Sequence[Values]:
-    """From a lag that just shows to a slow amplifier; and of third order, three equal lags."""
+    """From a lag that just shows to a slow amplifier; and of fourth order, four equal lags."""
     lags = [samples * scales.sample_period for samples in (0.5, 1.5, 5.0, 15.0, 50.0)]
-    equal = {"curvature": 1 / 4, "third": 1 / 3}
+    equal = {"curvature": 1 / 4, "third": 1 / 2, "third_curvature": 1 / 4}
     return [*({"lag": lag} for lag in lags), *({"lag": lag, **equal} for lag in lags[1:])]
 
 
@@ -84,7 +87,9 @@ def behind(values: Values) -> float:
 
 
 def says(values: Values, scales: Scales) -> str:
-    which = "third" if values["third"] > 0.0 else order(values["curvature"])
+    which = order(values["curvature"])
+    if values["third"] > 0.0:
+        which = "fourth" if values["third_curvature"] > 0.0 else "third"
     late = quantity(values["lag"], "s")
     return f"the amplifier lags: it follows a ramp of the voltage {late} late ({which} order)"
 
@@ -99,6 +104,7 @@ LINK = Link(
         Parameter("lag", "s", 5e-4, 0.0, 1.0, "delay behind a slow ramp", 0.0),
         Parameter("curvature", "1", 0.1, 0.0, 1.0, "0 first order, 1/4 two equal lags, 1/2 flat"),
         Parameter("third", "1", 0.0, 0.0, 0.5, "share of a further lag; 0 is none of third order"),
+        Parameter("third_curvature", "1", 0.0, 0.0, 1.0, "of the further lag; 0 is third order"),
     ),
     prepare=prepare,
     kernel=kernel,

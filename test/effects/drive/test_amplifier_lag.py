@@ -58,14 +58,18 @@ def test_any_input_is_followed_exactly(alone: Alone, c: float, ramped: bool, met
         np.testing.assert_allclose(out[:-1], expected[1:], rtol=0.0, atol=1e-9)
 
 
-@pytest.mark.parametrize(("c", "third"), [(0.25, 1 / 3), (0.5, 0.2)])
-def test_a_third_lag_stands_behind_the_others(alone: Alone, c: float, third: float) -> None:
+@pytest.mark.parametrize(
+    ("c", "third", "d"), [(0.25, 1 / 3, 0.0), (0.5, 0.2, 0.0), (0.25, 0.5, 0.25), (0.4, 0.3, 0.9)]
+)
+def test_a_further_lag_stands_behind_the_others(
+    alone: Alone, c: float, third: float, d: float
+) -> None:
     """Against scipy's step response of the product of both transfer functions."""
-    rest = (1.0 - third) * LAG
-    system = ([1.0], np.polymul([c * rest**2, rest, 1.0], [third * LAG, 1.0]))
+    rest, last = (1.0 - third) * LAG, third * LAG
+    system = ([1.0], np.polymul([c * rest**2, rest, 1.0], [d * last**2, last, 1.0]))
     t = 2e-5 * np.arange(1001)
     expected = step_response(system, T=t)[1][1:]
-    values = {"lag": LAG, "curvature": c, "third": third}
+    values = {"lag": LAG, "curvature": c, "third": third, "third_curvature": d}
     np.testing.assert_allclose(
         alone("amplifier_lag", values, np.ones(1000), (2e-5,)), expected, atol=3e-5
     )
@@ -120,6 +124,23 @@ def test_a_linear_rig_behind_it_meets_theory(
     found = simulate(linear.with_link("amplifier_lag", lag=lag, curvature=c), lively, 1e-3)
     share = 0.05 if c == 1.0 else 0.03
     assert np.linalg.norm(found - expected) < share * np.linalg.norm(absent - expected)
+
+
+@pytest.mark.parametrize("lag", [3e-4, 2e-3])
+def test_a_linear_rig_behind_four_lags_meets_theory(
+    slow: Model,
+    without_hysteresis: Callable[[Model], Model],
+    lively: Array,
+    filtered: Callable[..., Array],
+    lag: float,
+) -> None:
+    linear = without_hysteresis(slow)
+    half = [0.4 * (0.5 * lag) ** 2, 0.5 * lag, 1.0]
+    expected = filtered(linear, lively, ([1.0], np.polymul(half, half)))
+    values = {"lag": lag, "curvature": 0.4, "third": 0.5, "third_curvature": 0.4}
+    found = simulate(linear.with_link("amplifier_lag", **values), lively, 1e-3)
+    absent = simulate(linear, lively, 1e-3)
+    assert np.linalg.norm(found - expected) < 0.05 * np.linalg.norm(absent - expected)
 
 
 def test_with_hysteresis_behind_it_meets_an_integrator(paper: Model) -> None:
