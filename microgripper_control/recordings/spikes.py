@@ -17,6 +17,8 @@ ALIKE = 0.2  # of the spike: how near a line the readings around it, and what is
 BEFORE, AFTER = 3, 2  # samples around it that are looked at
 AROUND = np.array([*range(-BEFORE, 0), *range(1, AFTER + 1)])
 MIDDLE, SLOPE = np.linalg.pinv(np.column_stack([np.ones(len(AROUND)), AROUND]))  # of a line
+ENOUGH = 4096  # samples that tell what is usual
+TOO_MANY = 0.1  # of the samples, far off: without noise, what is far tells nothing
 MOST = 1e-3  # of the samples: more are no accident
 SPAN = (1.0, 99.0)  # per cent of the readings, which no spike reaches
 
@@ -24,12 +26,14 @@ SPAN = (1.0, 99.0)  # per cent of the readings, which no spike reaches
 def spikes(voltage: Array, displacement: Array) -> NDArray[np.intp]:
     """Where readings, m, shape (n,), are spikes while the voltage, V, is applied."""
     off = np.abs(displacement[1:-1] - 0.5 * (displacement[:-2] + displacement[2:]))
-    changes = np.abs(np.diff(displacement))
-    step = float(np.min(changes, initial=np.inf, where=changes > 0.0))
-    places = 1 + np.flatnonzero(off > FAR * max(float(np.median(off)), step))
+    usual = float(np.median(off[:: 1 + len(off) // ENOUGH]))
+    places = 1 + np.flatnonzero(off > FAR * usual)
     places = places[(places >= BEFORE) & (places < len(displacement) - AFTER)]
-    if not len(places):
-        return places
+    if not 0 < len(places) < TOO_MANY * len(displacement):
+        return places[:0]
+    changes = np.abs(np.diff(displacement))
+    step = float(np.min(changes[changes > 0.0]))
+    places = places[off[places - 1] > FAR * step]
     around = places[:, None] + AROUND
     spike, bent = _off_a_line(displacement, places, around)
     pulse, driven = _off_a_line(voltage, places, around)

@@ -32,7 +32,6 @@ from microgripper_control.diagnosis.search.rounds import Progress, play, silent
 from microgripper_control.diagnosis.search.schedule import side_by_side
 from microgripper_control.diagnosis.search.superposition import add_superposed
 from microgripper_control.diagnosis.signs.signatures import signatures
-from microgripper_control.effects.base import never_behind
 from microgripper_control.effects.registry import registry
 
 MOST_EFFECTS = 3
@@ -102,12 +101,8 @@ def together(
 
 
 def _is_first(name: str, evidence: Evidence, refit: Trial) -> bool:
-    """Whether an effect is tried before others: it is cheap, or a lag.
-
-    Lags are held against one another alone: one may show the sensor's clock, and one of high order
-    begins far off, where it would be given up beside another that is fitted already.
-    """
-    if registry()[name].behind is not never_behind:
+    """Whether an effect is tried before others: it is cheap, or may show the sensor's clock."""
+    if registry()[name].clocked:
         return True
     return not is_force(name) and is_light_with(evidence, refit, name)
 

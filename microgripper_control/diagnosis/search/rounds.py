@@ -12,7 +12,7 @@ import numpy as np
 
 from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.fits.fitting import Base
-from microgripper_control.diagnosis.fits.trial import Trial
+from microgripper_control.diagnosis.fits.trial import Trial, added
 from microgripper_control.diagnosis.search.attempt import (
     MOST_STARTS,
     STARTS,
@@ -25,7 +25,7 @@ from microgripper_control.diagnosis.search.labour import is_costly, is_long, is_
 from microgripper_control.diagnosis.search.pool import Pool, strongest
 from microgripper_control.diagnosis.search.schedule import side_by_side
 from microgripper_control.diagnosis.search.stretches import GLANCE, PART
-from microgripper_control.effects.base import Scales, Values, no_courses
+from microgripper_control.effects.base import Scales, Values, never_behind, no_courses
 from microgripper_control.effects.registry import registry
 
 RUNNERS_UP = 2  # of the promising: those that explain most by themselves,
@@ -64,9 +64,8 @@ def play(
         names = few_long(evidence, bases[0].trial, names)[:most]
     before = bases[0].trial
     alone = before is pool.refit
-    scrutiny = _scrutiny(alone, pool)
     tasks = [
-        (evidence, bases, name, scrutiny._replace(alone=() if alone else _by_itself(name, pool)))
+        (evidence, bases, name, _scrutiny(name, alone, pool))
         for name in _long_first(names, evidence.scales)
     ]
     found = []
@@ -86,16 +85,24 @@ def play(
             pool.add(trial)
 
 
-def _scrutiny(alone: bool, pool: Pool) -> Scrutiny:
-    """How far effects are worth being fitted, by what the best of the others leaves.
+def _scrutiny(name: str, alone: bool, pool: Pool) -> Scrutiny:
+    """How far an effect is worth being fitted, by what the best of the others leaves.
 
-    What leaves nothing to explain cannot lose to another effect: a look at each is enough.
+    What leaves nothing to explain cannot lose to another effect: a look is enough. But another lag
+    may: one of high order begins far off, and ends as near.
     """
     known = min((trial.fitted_rmse for trial in pool.tried.values()), default=np.inf)
     if alone and pool.unexplained:
         return Scrutiny(PART, known=known)
-    starts = STARTS if alone else MOST_STARTS
-    return Scrutiny(GLANCE, starts, NEAR_IF_COSTLY * known, known)
+    if not alone:
+        found = _by_itself(name, pool)
+        return Scrutiny(GLANCE, MOST_STARTS, NEAR_IF_COSTLY * known, known, found)
+    lags = all(map(_is_lag, (name, *added(pool.evidence, pool.leader))))
+    return Scrutiny(GLANCE, STARTS, math.inf if lags else NEAR_IF_COSTLY * known, known)
+
+
+def _is_lag(name: str) -> bool:
+    return registry()[name].behind is not never_behind
 
 
 def _long_first(names: Sequence[str], scales: Scales) -> list[str]:
