@@ -276,7 +276,7 @@ class _Clock:
             if count == len(k) or count < 0.5 * len(time):
                 break
             k, t = ticks[near], time[near]
-        return cls(period, ticks - ticks[0], jitter)
+        return cls(period, ticks, jitter)
 
     @cached_property
     def off(self) -> Array:
@@ -327,7 +327,7 @@ def _typical(steps: Array) -> float:
 
 
 def _ticks_with_gaps(time: Array, sway: int = 0) -> Array:
-    """The ticks of a clock that fits most of the stamps, where samples are missing.
+    """The ticks, from 0, of a clock that fits most of the stamps, where samples are missing.
 
     It may sway from one phase to another within some samples; with 0 it does not.
     """

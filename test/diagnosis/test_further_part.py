@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
+from driven_by_steps import refitted
 
-from microgripper_control.core.recording import Recording
-from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.fits.fitting import base_of, begun
 from microgripper_control.diagnosis.fits.trial import with_guess
 from microgripper_control.diagnosis.search.finishing import POLISHED, refined
 from microgripper_control.diagnosis.search.further_part import add_further_parts
 from microgripper_control.diagnosis.search.pool import Pool
-from microgripper_control.diagnosis.search.refit import nominal_trial, refit_trial
-from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.model import Model, nominal_model
-from microgripper_control.plant.simulate import simulate
 
 MODE = "extra_resonance"
 NOISE = 15e-9  # m
@@ -23,17 +18,10 @@ NOISE = 15e-9  # m
 
 def with_one_mode(rig: Model) -> Pool:
     """What one mode at 90 Hz explains of a rig that is driven by steps."""
-    rng = np.random.default_rng(8)
-    voltage = np.repeat(rng.uniform(20.0, 140.0, 60), 100)
-    x = simulate(rig, voltage, 1e-3) + NOISE * rng.standard_normal(len(voltage))
-    recordings = [Recording("run", 1e-3, voltage, x)]
-    evidence = Evidence.gather(recordings, [], Conditions(), nominal_model())
-    before = nominal_trial(evidence, nominal_model())
-    refit = refit_trial(evidence, before)
-    pool = Pool(evidence, before, refit)
-    guess = with_guess(refit.model, MODE, {"share": 0.1, "frequency": 88.0, "damping": 0.04})
-    start = begun(base_of(evidence, refit), guess, [MODE])
-    pool.add(refined(evidence, start, POLISHED, 40))
+    pool = refitted(rig, NOISE)
+    guess = with_guess(pool.refit.model, MODE, {"share": 0.1, "frequency": 88.0, "damping": 0.04})
+    start = begun(base_of(pool.evidence, pool.refit), guess, [MODE])
+    pool.add(refined(pool.evidence, start, POLISHED, 40))
     return pool
 
 

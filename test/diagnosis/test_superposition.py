@@ -7,20 +7,16 @@ from typing import Any
 
 import numpy as np
 import pytest
+from driven_by_steps import refitted
 
-from microgripper_control.core.recording import Recording
-from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.fits.fitting import base_of, begun
 from microgripper_control.diagnosis.fits.trial import with_guess
 from microgripper_control.diagnosis.search import superposition
 from microgripper_control.diagnosis.search.finishing import POLISHED, refined
 from microgripper_control.diagnosis.search.pool import Pool
-from microgripper_control.diagnosis.search.refit import nominal_trial, refit_trial
 from microgripper_control.diagnosis.search.superposition import add_superposed, superposed
 from microgripper_control.effects.registry import registry
-from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.model import Model, nominal_model
-from microgripper_control.plant.simulate import simulate
 
 NOISE = 10e-9  # m
 TRUE = {"creep": {"strength": 0.03}, "extra_resonance": {"share": 0.1, "frequency": 90.0}}
@@ -29,19 +25,12 @@ ALONE = ("amplifier_lag", "backlash", *TRUE)
 
 def tried_alone(rig: Model) -> Pool:
     """What some effects explain, one at a time, of a rig that is driven by steps."""
-    rng = np.random.default_rng(8)
-    voltage = np.repeat(rng.uniform(20.0, 140.0, 60), 100)
-    x = simulate(rig, voltage, 1e-3) + NOISE * rng.standard_normal(len(voltage))
-    recordings = [Recording("run", 1e-3, voltage, x)]
-    evidence = Evidence.gather(recordings, [], Conditions(), nominal_model())
-    before = nominal_trial(evidence, nominal_model())
-    pool = Pool(evidence, before, refit_trial(evidence, before))
+    pool = refitted(rig, NOISE)
+    base = base_of(pool.evidence, pool.refit)
     for name in ALONE:
-        values = TRUE.get(name) or registry()[name].starts(evidence.scales)[0]
-        guess = with_guess(pool.refit.model, name, values)
-        pool.add(
-            refined(evidence, begun(base_of(evidence, pool.refit), guess, [name]), POLISHED, 9)
-        )
+        values = TRUE.get(name) or registry()[name].starts(pool.evidence.scales)[0]
+        start = begun(base, with_guess(pool.refit.model, name, values), [name])
+        pool.add(refined(pool.evidence, start, POLISHED, 9))
     return pool
 
 

@@ -77,6 +77,18 @@ def test_large_jitter_is_resampled() -> None:
     assert np.all(np.abs(recording.voltage - voltage_at(at)) <= 10.0)
 
 
+def read_without(lost: list[int], time: Array) -> Recording:
+    """What becomes of ticks that are stamped `time`, of which some are lost: all others stay."""
+    present = np.ones(COUNT, bool)
+    present[lost] = False
+    recording = read(time[present], when=TIME[present])
+    assert len(recording) == COUNT
+    assert recording.displacement is not None
+    assert np.array_equal(recording.displacement[present], displacement_at(TIME[present]))
+    assert len(recording.warnings) == 1 + bool(lost)
+    return recording
+
+
 def wandering(jitter: float) -> Array:
     """Stamps of a loop that waits a period after each sample, a little more or less."""
     steps = PERIOD * (1.0 + jitter * np.random.default_rng(5).standard_normal(COUNT - 1))
@@ -88,16 +100,10 @@ def wandering(jitter: float) -> Array:
 def test_ticks_that_wander_are_taken_one_by_one(jitter: float, lost: list[int]) -> None:
     time = wandering(jitter)
     assert np.ptp(time - TIME) > 0.8 * PERIOD
-    present = np.ones(COUNT, bool)
-    present[lost] = False
-    recording = read(time[present], when=TIME[present])
-    assert len(recording) == COUNT
-    assert recording.displacement is not None
-    assert np.array_equal(recording.displacement[present], displacement_at(TIME[present]))
+    recording = read_without(lost, time)
     assert recording.sample_period == pytest.approx(time[-1] / (COUNT - 1), rel=1e-9)
     assert "unequally spaced" in recording.warnings[0]
     assert "taken as ticks of a clock of 0.00100" in recording.warnings[0]
-    assert len(recording.warnings) == 1 + bool(lost)
 
 
 @pytest.mark.parametrize("apart", [1e-7, 0.0])
@@ -175,14 +181,8 @@ def test_a_program_that_stalls_and_catches_up_loses_nothing(lost: list[int]) -> 
     """Twenty samples are stamped when the stall is over, 0.05 of a period apart."""
     time = TIME.copy()
     time[1000:1020] = TIME[1019] + 0.05 * PERIOD * np.arange(20)
-    present = np.ones(COUNT, bool)
-    present[lost] = False
-    recording = read(time[present], when=TIME[present])
-    assert len(recording) == COUNT
-    assert recording.displacement is not None
-    assert np.array_equal(recording.displacement[present], displacement_at(TIME[present]))
+    recording = read_without(lost, time)
     assert recording.warnings[0].startswith("late stamps: 20, by up to 0.019 s")
-    assert len(recording.warnings) == 1 + bool(lost)
 
 
 def test_repeated_stamps_are_dropped() -> None:

@@ -88,8 +88,8 @@ def play(
 def _scrutiny(name: str, alone: bool, pool: Pool) -> Scrutiny:
     """How far an effect is worth being fitted, by what the best of the others leaves.
 
-    What leaves nothing to explain cannot lose to another effect: a look is enough. But another lag
-    may: one of high order begins far off, and ends as near.
+    What leaves nothing to explain cannot lose to another effect: a look is enough. Only a lag can
+    lose to another lag: one of high order begins far off, and ends as near.
     """
     known = min((trial.fitted_rmse for trial in pool.tried.values()), default=np.inf)
     if alone and pool.unexplained:

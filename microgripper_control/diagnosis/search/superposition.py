@@ -33,17 +33,19 @@ def add_superposed(
     names: Sequence[str], pool: Pool, progress: Progress = silent, jobs: int = -1
 ) -> None:
     """Try the most promising pairs that were not tried yet, as long as more than noise is left."""
+    if not pool.leaves_a_rest(pool.leader):
+        return
     left = superposed(names, pool)
     least = min(left.values(), default=math.inf)
     near = [pair for pair in left if left[pair] <= AS_GOOD * least]
     for pair in [pair for pair in near if pair not in pool.tried][:TRIED]:
-        if not pool.leaves_a_rest(pool.leader):
-            return
         first, second = strongest(pair, pool)
         leader = pool.tried[Pair([first])]
         if may_join(pool.evidence, leader, second):
             base = base_of(pool.evidence, leader)
             play(pool.evidence, [base], [second], 1, pool, progress, jobs)
+        if not pool.leaves_a_rest(pool.leader):
+            return
 
 
 def superposed(names: Sequence[str], pool: Pool) -> dict[Pair, float]:
