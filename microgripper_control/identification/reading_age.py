@@ -19,7 +19,7 @@ from microgripper_control.effects.registry import registry
 from microgripper_control.plant.model import Model
 
 DELAY = "transport_delay"
-PARTS = 16  # of a sample, by which responses are late
+PARTS = 64  # of a sample, by which responses are late: a stiff rig jumps from one to the next
 TELLING = 2000  # samples that are compared, those of the fastest motion
 AGES, ROUNDS = 32, 4  # first ages that are tried, and how often closer ones around the best
 CLOSER = 4.0

@@ -60,6 +60,19 @@ def test_an_average_is_found_on_its_clock(clock: float, averaged: int) -> None:
     assert pool.evidence.scales.clock == 0.0  # the pool it began with is as it was
 
 
+def test_a_delay_is_found_that_only_few_readings_show() -> None:
+    """Just under a sample: few readings show the step before, and one misjudged counts for ten."""
+    delay = {"delay": 1.72e-3, "clock": 0.3113e-3}
+    pool = tried(nominal_model().with_link("transport_delay", **delay), nominal_model())
+    assert pool.best(1, 1)[0].rmse > 4.0 * NOISE
+    best = on_the_sensors_clock(pool, jobs=1).best(1, 1)[0]
+    assert best.effects == ("transport_delay",)
+    assert best.fitted_rmse < 1.3 * NOISE
+    assert best.rmse < 2.2 * NOISE
+    assert best.model.value("transport_delay", "clock") == pytest.approx(delay["clock"], rel=1e-4)
+    assert best.model.value("transport_delay", "delay") == pytest.approx(1.72e-3, abs=0.05e-3)
+
+
 def test_recordings_may_have_sample_periods_of_their_own() -> None:
     lag = {"averaging": 3.72e-3, "time_constant": 0.0, "clock": 0.93e-3}
     pool = tried(nominal_model().with_link("sensor_lag", **lag), nominal_model(), other=1.37e-3)

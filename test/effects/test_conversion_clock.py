@@ -13,6 +13,7 @@ from microgripper_control.plant.model import nominal_model
 from microgripper_control.plant.simulate import Initial, simulate
 
 PERIOD = 1e-3  # s
+FIRST = Initial.FIRST_SAMPLE
 
 
 @pytest.mark.parametrize("clock", [0.13e-3, 0.7e-3, 1e-3, 2.3e-3, 41e-3])
@@ -89,3 +90,19 @@ def test_in_a_steady_state_it_goes_on_from_period_to_period() -> None:
         later = (age + 2.0 * period) % clock
         third = simulate(model, voltage, 1e-3, initial=Initial.PERIODIC, reading_age=later)
         np.testing.assert_allclose(third[1:], three[-499:], rtol=0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize(("delay", "clock"), [(0.86013e-3, 0.156137e-3), (0.93037e-3, 0.213172e-3)])
+def test_a_stiff_rig_has_followed_a_step_before_most_readings(delay: float, clock: float) -> None:
+    """The same plant sampled 500 times as fast gives the position that each conversion meets."""
+    finer, age = 500, 0.041236e-3
+    voltage = 80.0 + 1.5 * np.cumsum(np.random.default_rng(4).normal(size=400))
+    step = PERIOD / finer
+    course = simulate(nominal_model(), np.repeat(voltage, finer), step, initial=FIRST)
+    time = PERIOD * np.arange(len(voltage))
+    last = time - np.mod(time + age, clock) - delay
+    expected = np.interp(last, step * np.arange(len(course)), course)
+    late = nominal_model().with_link("transport_delay", delay=delay, clock=clock)
+    found = simulate(late, voltage, PERIOD, initial=FIRST, reading_age=age)
+    begun = 5  # samples, at most, in which the first reading is older than the recording
+    assert np.std((found - expected)[begun:]) < 0.025 * np.std(np.diff(found))

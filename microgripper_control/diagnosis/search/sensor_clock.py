@@ -27,7 +27,9 @@ FINER = 8  # places of the spectrum for each of its widths
 MULTIPLES = 6  # of the clock's rate that may be the strongest line
 PHASES = 16  # of a sawtooth, and first ages, that are tried
 RATES = 2  # conversions a sample, whole ones aside, that are looked at more closely
-SHOWN = 0.35  # of the error's power: what a sawtooth takes away of it where there is a clock
+# Of the error's power: what a sawtooth takes away of it where there is a clock. Of readings that
+# show a step or not yet, and few do not, it fits the pattern badly.
+SHOWN = 0.1
 FASTEST, SLOWEST = 12, 60  # conversions in a sample, samples in a conversion
 AHEAD = np.arange(-1.0, 1.6, 0.125)  # of the clock: what the lag may be too long by
 CLEAR = 0.8  # of what is left without a clock: where one leaves more, there is none

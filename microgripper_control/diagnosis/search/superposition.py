@@ -37,15 +37,21 @@ def add_superposed(
         return
     left = superposed(names, pool)
     least = min(left.values(), default=math.inf)
-    near = [pair for pair in left if left[pair] <= AS_GOOD * least]
-    for pair in [pair for pair in near if pair not in pool.tried][:TRIED]:
-        first, second = strongest(pair, pool)
-        leader = pool.tried[Pair([first])]
-        if may_join(pool.evidence, leader, second):
-            base = base_of(pool.evidence, leader)
-            play(pool.evidence, [base], [second], 1, pool, progress, jobs)
+    near = [pair for pair in left if left[pair] <= AS_GOOD * least and pair not in pool.tried]
+    for leader, seconds in _by_leader(near[:TRIED], pool):
+        base = base_of(pool.evidence, leader)
+        play(pool.evidence, [base], seconds, len(seconds), pool, progress, jobs)
         if not pool.leaves_a_rest(pool.leader):
             return
+
+
+def _by_leader(pairs: Sequence[Pair], pool: Pool) -> list[tuple[Trial, list[str]]]:
+    """What explains more of a pair alone, and what may join it, of all its pairs at once."""
+    seconds: dict[str, list[str]] = {}
+    for first, second in (strongest(pair, pool) for pair in pairs):
+        if may_join(pool.evidence, pool.tried[Pair([first])], second):
+            seconds.setdefault(first, []).append(second)
+    return [(pool.tried[Pair([first])], others) for first, others in seconds.items()]
 
 
 def superposed(names: Sequence[str], pool: Pool) -> dict[Pair, float]:

@@ -23,13 +23,19 @@ from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Val
 from microgripper_control.effects.conversion_clock import CLOCK, says_clock
 
 SHORT = 6  # first guesses within two samples
+FOLLOWED = (0.01, 0.02, 0.03, 0.05)  # of a sample after a step: in between positions run straight
 SAME_INSTANT = 1e-9  # of a sample period: boundaries closer than this are one
 
 
 def jumps(values: Values, sample_period: float) -> set[float]:
-    """Where in the sample period the delayed step falls."""
+    """Where in the sample period the delayed step falls, and where a stiff rig has followed it.
+
+    The latter counts only if the sensor may convert in between.
+    """
     fraction = math.fmod(values["delay"] / sample_period, 1.0)
-    return {fraction} if SAME_INSTANT < fraction < 1.0 - SAME_INSTANT else set()
+    after = (0.0, *FOLLOWED) if values["clock"] > 0.0 else (0.0,)
+    falls = {math.fmod(fraction + later, 1.0) for later in after}
+    return {fall for fall in falls if SAME_INSTANT < fall < 1.0 - SAME_INSTANT}
 
 
 @compiled
