@@ -86,12 +86,12 @@ def on_uniform_clock(name: str, samples: Samples, warnings: tuple[str, ...] = ()
     check_samples(name, samples.voltage, samples.displacement, samples.setpoint)
     notes = list(warnings)
     samples = _increasing(name, samples, notes)
-    period, known = _positions(name, samples.time, notes)
+    period, known, timely = _positions(name, samples.time, notes)
     wanted = np.arange(int(known[-1] + 1e-6) + 1, dtype=float)
-    read = None
+    read = None if timely.all() else timely
     if not np.array_equal(known, wanted):
         samples = samples.on(known, wanted)
-        read = _read(known, wanted, notes)
+        read = _read(known, wanted, timely, notes)
     samples, read = _without_spikes(samples, read, notes)
     return Recording(
         name=name,
@@ -125,10 +125,12 @@ def _without_spikes(
     return replace(samples, displacement=mended), read
 
 
-def _read(known: Array, wanted: Array, notes: list[str]) -> NDArray[np.bool_] | None:
-    """Which ticks were read and not filled in; of unequal spacing those a period from a sample."""
+def _read(
+    known: Array, wanted: Array, timely: NDArray[np.bool_], notes: list[str]
+) -> NDArray[np.bool_] | None:
+    """Which ticks were read in time, not filled in; unequally spaced, those near a sample."""
     if np.array_equal(known, np.rint(known)):  # ticks of the clock, some of them missing
-        return np.isin(wanted, known)
+        return np.isin(wanted, known[timely])
     after = np.searchsorted(known, wanted).clip(1, len(known) - 1)
     apart = np.minimum(np.abs(wanted - known[after - 1]), np.abs(known[after] - wanted))
     near: NDArray[np.bool_] = apart <= 1.0
@@ -186,8 +188,8 @@ def _in_order(samples: Samples, notes: list[str]) -> Samples:
     return samples.where(np.argsort(samples.time, kind="stable"))
 
 
-def _positions(name: str, time: Array, notes: list[str]) -> tuple[float, Array]:
-    """The sample period, s, and where the samples lie, in periods from the first.
+def _positions(name: str, time: Array, notes: list[str]) -> tuple[float, Array, NDArray[np.bool_]]:
+    """The sample period, s, where the samples lie, in periods from the first, and which in time.
 
     Whole numbers if they are the ticks of a uniform clock, some of which may be missing.
     """
@@ -196,7 +198,8 @@ def _positions(name: str, time: Array, notes: list[str]) -> tuple[float, Array]:
         clock = _Clock.through(time, _ticks_with_gaps(time))
     steps = np.diff(time)
     uniform = clock.fits(time)
-    period, known = (clock.period, clock.ticks) if uniform else _swaying(time)
+    timely = np.ones(len(time), bool)
+    period, known, timely = (clock.period, clock.ticks, timely) if uniform else _swaying(time)
     ticked = uniform or np.array_equal(known, np.rint(known))
     missing = int(known[-1] + 1e-6) + 1 - len(known)
     too_few = missing > MOST_MISSING * len(known)
@@ -218,14 +221,19 @@ def _positions(name: str, time: Array, notes: list[str]) -> tuple[float, Array]:
         notes.append(f"samples are unequally spaced ({spread:.1%} of the period rms): {done}")
     if ticked and missing:
         notes.append(f"missing samples: {missing}, {gap}; voltage held, displacement interpolated")
-    return period, known
+    if untimely := np.count_nonzero(~timely):
+        notes.append(
+            f"untimely samples: {untimely} follow the one before by {LARGEST_STEP:g} of a period "
+            "more or less than whole ones; their readings do not count"
+        )
+    return period, known, timely
 
 
-def _swaying(time: Array) -> tuple[float, Array]:
-    """The sample period, s, and where samples lie, in periods from the first.
+def _swaying(time: Array) -> tuple[float, Array, NDArray[np.bool_]]:
+    """The sample period, s, where samples lie, in periods from the first, and which in time.
 
     On the ticks of a clock that sways if nearly all steps are near whole periods, or else wherever
-    their time has them.
+    their time has them. What is on its way is elsewhere after another step than the clock has it.
     """
     steps = np.diff(time)
     ticks = _ticks_with_gaps(time, SWAY)
@@ -234,9 +242,9 @@ def _swaying(time: Array) -> tuple[float, Array]:
     off = np.abs(steps / period - np.diff(ticks))
     wandered = np.ptp(time - time[0] - period * ticks)
     if np.quantile(off, 0.95) <= LARGEST_STEP and wandered <= FARTHEST * duration:
-        return period, ticks
+        return period, ticks, np.append(True, off <= LARGEST_STEP)
     typical = _typical(steps)
-    return typical, (time - time[0]) / typical
+    return typical, (time - time[0]) / typical, np.ones(len(time), bool)
 
 
 def _refuse_bursts(name: str, steps: Array) -> None:
