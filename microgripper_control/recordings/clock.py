@@ -22,6 +22,7 @@ from microgripper_control.core.quantities import quantity
 from microgripper_control.core.recording import Recording, check_samples
 from microgripper_control.core.signals import Array
 from microgripper_control.recordings.spikes import spikes
+from microgripper_control.recordings.voltage_noise import voltage_noise
 
 LARGEST_JITTER = 0.02  # of the sample period, of 95 % of the stamps: below it they are uniform
 LARGEST_STEP = 0.25  # of the sample period: if 95 % of the steps are as near to whole ones,
@@ -93,6 +94,7 @@ def on_uniform_clock(name: str, samples: Samples, warnings: tuple[str, ...] = ()
         samples = samples.on(known, wanted)
         read = _read(known, wanted, timely, notes)
     samples, read = _without_spikes(samples, read, notes)
+    samples = _without_noise(samples, notes)
     return Recording(
         name=name,
         sample_period=float(f"{period:.12g}"),  # 0.001 again, not 0.0010000000000000002
@@ -123,6 +125,20 @@ def _without_spikes(
     read = np.ones(len(mended), bool) if read is None else read.copy()
     read[found] = False
     return replace(samples, displacement=mended), read
+
+
+def _without_noise(samples: Samples, notes: list[str]) -> Samples:
+    """The samples without what of the voltage is noise of its own, that was never applied."""
+    if samples.displacement is None:
+        return samples
+    noise, smooth = voltage_noise(samples.voltage, samples.displacement)
+    if noise == 0.0:
+        return samples
+    notes.append(
+        f"the voltage was recorded with noise of {quantity(noise, 'V')} rms that the displacement "
+        "does not answer: it was taken away"
+    )
+    return replace(samples, voltage=smooth)
 
 
 def _read(
