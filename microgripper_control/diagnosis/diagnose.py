@@ -13,7 +13,7 @@ from microgripper_control.diagnosis.answers.comparison import Comparison
 from microgripper_control.diagnosis.answers.sentence import sentence
 from microgripper_control.diagnosis.answers.weighing import Facts, weigh
 from microgripper_control.diagnosis.data.evidence import Evidence
-from microgripper_control.diagnosis.data.readings import reading_warnings
+from microgripper_control.diagnosis.data.readings import without_dead_readings
 from microgripper_control.diagnosis.data.residuals import residuals_of
 from microgripper_control.diagnosis.experiments.experiment import next_experiment
 from microgripper_control.diagnosis.findings import (
@@ -83,8 +83,9 @@ def diagnose(
     The effects in `without` are not tried. Raises MicrogripperError for recordings that tell
     nothing.
     """
+    recordings, dead = without_dead_readings(recordings)
+    heldout, also_dead = without_dead_readings(heldout)
     whole = Evidence.gather(recordings, heldout, conditions or Conditions(), nominal)
-    readings = [line for r in (*recordings, *heldout) for line in reading_warnings(r)]
     left_out = {*nominal.effects, *without}
     names = [name for name in candidate_names() if name not in left_out]
     explored = _explored(whole, names, progress, jobs)
@@ -130,7 +131,12 @@ def diagnose(
         conditions=whole.conditions,
         judged=compared.judged(judging),
         shares=_shares(pool, given.effects, given.best),
-        warnings=(*readings, *explored.warnings, *hold_warnings(pool.evidence, compared.refit)),
+        warnings=(
+            *dead,
+            *also_dead,
+            *explored.warnings,
+            *hold_warnings(pool.evidence, compared.refit),
+        ),
     )
 
 

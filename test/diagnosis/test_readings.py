@@ -7,7 +7,7 @@ import pytest
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
-from microgripper_control.diagnosis.data.readings import reading_warnings
+from microgripper_control.diagnosis.data.readings import without_dead_readings
 
 T = 1e-3 * np.arange(4000)
 VOLTAGE = 75.0 * (1.0 - np.cos(2.0 * np.pi * T))
@@ -18,7 +18,12 @@ def readings(noise: float) -> Array:
 
 
 def warned(displacement: Array, voltage: Array = VOLTAGE) -> list[str]:
-    return list(reading_warnings(Recording("run.csv", 1e-3, voltage, displacement)))
+    return checked(displacement, voltage)[1]
+
+
+def checked(displacement: Array, voltage: Array = VOLTAGE) -> tuple[Recording, list[str]]:
+    (recording,), lines = without_dead_readings([Recording("run.csv", 1e-3, voltage, displacement)])
+    return recording, lines
 
 
 @pytest.mark.parametrize("noise", [0.0, 15e-9])
@@ -50,3 +55,41 @@ def test_stale_readings_are_flagged() -> None:
     (line,) = warned(stale)
     assert "stale" in line
     assert " 261 readings" in line or " 290 readings" in line
+
+
+def test_clipped_readings_do_not_count() -> None:
+    limit = 1.3e-5
+    recording, (line,) = checked(np.minimum(readings(15e-9), limit))
+    assert line.endswith("they look clipped and do not count")
+    assert recording.read is not None
+    assert not np.any(recording.read[recording.measured == limit])
+    assert np.all(recording.read[limit - 0.3e-6 > 1e-7 * VOLTAGE])
+
+
+def test_readings_of_a_sensor_that_stood_still_do_not_count() -> None:
+    """Also where the voltage makes but one step the while, and rests else."""
+    voltage = np.repeat(np.random.default_rng(2).uniform(0.0, 150.0, 20), 200)
+    noise = 15e-9 * np.random.default_rng(1).standard_normal(len(voltage))
+    shown = 1e-7 * np.append(voltage[0], voltage[:-1]) + noise
+    shown[1100:1301] = shown[1100]
+    recording, (line,) = checked(shown, voltage)
+    assert "200 readings (5.0%)" in line
+    assert line.endswith("they look stale and do not count")
+    assert recording.read is not None
+    assert np.array_equal(np.flatnonzero(~recording.read), np.arange(1101, 1301))
+
+
+def test_what_a_slow_sensor_repeats_counts() -> None:
+    slow = np.repeat(readings(15e-9)[::6], 6)[: len(T)]
+    slow[2000:2100] = slow[2000]
+    recording, (line,) = checked(slow)
+    assert line.endswith("they look stale")
+    assert recording.read is None
+
+
+def test_a_staircase_without_noise_counts() -> None:
+    voltage = np.repeat(np.random.default_rng(2).uniform(0.0, 150.0, 20), 200)
+    late = 1e-7 * np.concatenate([np.full(5, voltage[0]), voltage[:-5]])
+    recording, lines = checked(late, voltage)
+    assert lines == []
+    assert recording.read is None

@@ -1,51 +1,102 @@
 """Readings that are none: clipped at the end of a range, or the one before once more.
 
-A fit takes them for motion, so they are flagged. On a coarse grid a reading repeats itself by
-right: only what stays longer than the voltage's own motion allows is told.
+A fit takes them for motion, so they are flagged, and where no others are equal they do not count.
+On a coarse grid, or from a slow sensor, a reading repeats itself by right: only what stays longer
+than the voltage's own motion allows is told.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import binary_dilation
 
 from microgripper_control.core.recording import Recording
+from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.data.levels import grid_of
 
 LONGEST = 4  # equal readings in a row that noise or a slow voltage may give
+DEAD, LATE = 16, 8  # so many in a row, if no others are equal, for a single step, so long before
 MANY = 1e-3  # of the samples: fewer are not worth a word
 FAR = 3.0  # steps of the grid: travel over which an equal reading is no rounding
 MOVES = 1e-3  # of the range: travel of the voltage during the row
+SELDOM = 0.01  # of the samples: so many others may be equal by chance
+MOST = 0.25  # of the samples: more do not go uncounted
+BESIDE = 4  # samples next to clipped ones: noise shows there only towards the middle
 
 
-def reading_warnings(recording: Recording) -> Iterator[str]:
-    """One line for clipped and one for repeated readings, if there are any."""
-    clipped, repeated = 0, 0
-    x = recording.measured
-    low, high = float(np.min(x)), float(np.max(x))
-    for first, last in _rows_of_equals(recording):
-        if x[first] in (low, high):
-            clipped += last - first
-        else:
-            repeated += last - first
-    name, count = recording.name, len(recording)
-    if clipped > MANY * count:
-        yield (
-            f"{name}: {clipped} readings ({clipped / count:.1%}) stand at the end of the sensor's "
-            "range while the voltage moves: they look clipped"
+Mask = NDArray[np.bool_]
+
+
+class _Dead(NamedTuple):
+    """Readings of one kind that are none."""
+
+    what: str  # they do while the voltage moves,
+    look: str  # and what they look like
+    repeated: int  # how many repeat the one before
+    samples: Mask  # shape (n,)
+
+    def told(self, recording: Recording, left_out: bool) -> str:
+        """A line for the reader."""
+        share = f"{self.repeated / len(recording):.1%}"
+        return (
+            f"{recording.name}: {self.repeated} readings ({share}) {self.what} while the voltage "
+            f"moves: they look {self.look}{' and do not count' if left_out else ''}"
         )
-    if repeated > MANY * count:
-        yield (
-            f"{name}: {repeated} readings ({repeated / count:.1%}) repeat the one before while the "
-            "voltage moves: they look stale"
-        )
 
 
-def _rows_of_equals(recording: Recording) -> Iterator[tuple[int, int]]:
-    """First and last sample of each row of equal readings that the voltage does not explain.
+def without_dead_readings(
+    recordings: Sequence[Recording],
+) -> tuple[list[Recording], list[str]]:
+    """The recordings without clipped and stale readings, and a line for each kind of them.
 
-    It must go on moving: one step of a staircase shows after as many samples as the rig is late.
+    They count all the same where a coarse grid or a slow sensor repeats readings elsewhere.
+    """
+    checked = [_without_dead(recording) for recording in recordings]
+    return [one for one, _ in checked], [line for _, lines in checked for line in lines]
+
+
+def _without_dead(recording: Recording) -> tuple[Recording, list[str]]:
+    count, x = len(recording), recording.measured
+    rows, alone = _rows_of_equals(recording)
+    found = [dead for dead in (_clipped(x, rows), _stale(x, rows)) if dead.repeated > MANY * count]
+    left_out = alone and sum(dead.repeated for dead in found) <= MOST * count
+    lines = [dead.told(recording, left_out) for dead in found]
+    if not found or not left_out:
+        return recording, lines
+    dead = np.any([one.samples for one in found], axis=0)
+    return replace(recording, read=recording.present & ~dead), lines
+
+
+def _clipped(x: Array, rows: Sequence[slice]) -> _Dead:
+    ends = float(np.min(x)), float(np.max(x))
+    ours = [row for row in rows if x[row.start] in ends]
+    limited = np.isin(x, [x[row.start] for row in ours])
+    samples = binary_dilation(limited, iterations=BESIDE)
+    return _Dead("stand at the end of the sensor's range", "clipped", _total(ours), samples)
+
+
+def _stale(x: Array, rows: Sequence[slice]) -> _Dead:
+    ends = float(np.min(x)), float(np.max(x))
+    ours = [row for row in rows if x[row.start] not in ends]
+    samples = np.zeros(len(x), bool)
+    for row in ours:
+        samples[row] = True
+    return _Dead("repeat the one before", "stale", _total(ours), samples)
+
+
+def _total(rows: Sequence[slice]) -> int:
+    return sum(row.stop - row.start for row in rows)
+
+
+def _rows_of_equals(recording: Recording) -> tuple[list[slice], bool]:
+    """Rows of readings that repeat the one before and that the voltage does not explain.
+
+    With them comes whether hardly any others repeat the one before.
     """
     x, u = recording.measured, recording.voltage
     change = np.flatnonzero(np.diff(x) != 0.0)
@@ -55,7 +106,15 @@ def _rows_of_equals(recording: Recording) -> Iterator[tuple[int, int]]:
     step = grid_of([recording]).step
     allowed = max(MOVES * float(np.ptp(u)), FAR * step / gain if gain > 0.0 else 0.0)
     moved = np.cumsum(np.concatenate([[False], u[1:] != u[:-1]]))
-    long = moved[lasts] - moved[firsts] >= LONGEST
-    for first, last in zip(firsts[long], lasts[long], strict=True):
-        if np.ptp(u[first : last + 1]) > allowed:
-            yield int(first), int(last)
+    # The voltage must go on moving: one step shows after as many samples as the rig is late.
+    goes_on = moved[lasts] - moved[firsts] >= LONGEST
+    dead = lasts - firsts >= DEAD
+    others = int(np.sum((lasts - firsts)[~dead]))
+    alone = others <= SELDOM * len(x)
+    rows = []
+    for at in np.flatnonzero(goes_on | (dead & alone)):
+        first, last = int(firsts[at]), int(lasts[at])
+        until = last if goes_on[at] else last - LATE
+        if np.ptp(u[first : until + 1]) > allowed:
+            rows.append(slice(first + 1, last + 1))
+    return rows, alone
