@@ -21,6 +21,7 @@ from microgripper_control.core.errors import MicrogripperError, one_line
 from microgripper_control.core.quantities import quantity
 from microgripper_control.core.recording import Recording, check_samples
 from microgripper_control.core.signals import Array
+from microgripper_control.recordings.bursts import bursts
 from microgripper_control.recordings.spikes import spikes
 from microgripper_control.recordings.voltage_noise import voltage_noise
 
@@ -95,6 +96,7 @@ def on_uniform_clock(name: str, samples: Samples, warnings: tuple[str, ...] = ()
         read = _read(known, wanted, timely, notes)
     samples, read = _without_spikes(samples, read, notes)
     samples = _without_noise(samples, notes)
+    read = _without_bursts(samples, read, notes)
     return Recording(
         name=name,
         sample_period=float(f"{period:.12g}"),  # 0.001 again, not 0.0010000000000000002
@@ -125,6 +127,22 @@ def _without_spikes(
     read = np.ones(len(mended), bool) if read is None else read.copy()
     read[found] = False
     return replace(samples, displacement=mended), read
+
+
+def _without_bursts(
+    samples: Samples, read: NDArray[np.bool_] | None, notes: list[str]
+) -> NDArray[np.bool_] | None:
+    """Which samples were read, without those in bursts of noise."""
+    if samples.displacement is None:
+        return read
+    found = bursts(samples.voltage, samples.displacement)
+    if not found.any():
+        return read
+    notes.append(
+        f"bursts of noise: {np.count_nonzero(found)} readings are far louder than others in the "
+        f"same place, the first at sample {np.argmax(found)}; they do not count"
+    )
+    return ~found if read is None else read & ~found
 
 
 def _without_noise(samples: Samples, notes: list[str]) -> Samples:
