@@ -13,13 +13,13 @@ from scipy.special import binom
 
 from microgripper_control.core.signals import Array
 
-WINDOW = 16  # samples
+WINDOW, BLOCK = 16, 2048  # samples, and windows that are looked at at once
 LOUD = 2.5  # times the usual noise of a window, and more than a step of the readings
 RUN = 3  # loud windows in a row, at the least
 WHITE = 1.5  # how far noise told by third differences may be off that told by fifth ones
 SMOOTH = 0.3  # of the noise: what the voltage's own bends would make of it
 NEAR, SLOWER = 0.05, 0.5  # of the voltage's span, and of its speed: windows that are alike,
-ALIKE = 5  # of which so many there must be,
+ENOUGH, ALIKE = 4096, 5  # of so many at most which so many must be,
 QUIET = 0.75  # and so large a share quiet
 MOST = 0.2  # of the samples: more are no bursts
 
@@ -38,12 +38,13 @@ def bursts(voltage: Array, displacement: Array) -> Mask:
     step = float(np.min(changes, where=changes > 0.0, initial=np.inf))  # of a grid, if there is one
     loud = noise > max(LOUD * float(np.median(noise)), step)
     gain = float(np.ptp(displacement)) / max(float(np.ptp(voltage)), 1e-300)  # m/V
-    bent = gain * _noise(applied, 3)
     for run in _runs(loud):
         quietest = np.min(noise[run])
         white = float(np.median(_noise(shown[run], 3))) / float(np.median(noise[run]))
-        smooth = np.max(bent[max(0, run.start - 1) : run.stop]) < SMOOTH * quietest
-        if smooth and 1.0 / WHITE < white < WHITE and _quiet_elsewhere(applied, loud, run):
+        bent = gain * np.max(_noise(applied[max(0, run.start - 1) : run.stop], 3))
+        if bent >= SMOOTH * quietest or not 1.0 / WHITE < white < WHITE:
+            continue
+        if _quiet_elsewhere(applied, loud, run):
             found[max(0, run.start - 1) * WINDOW : (run.stop + 1) * WINDOW] = True
     return found if np.mean(found) <= MOST else np.zeros_like(found)
 
@@ -54,9 +55,13 @@ def _in_windows(signal: Array) -> Array:
 
 def _noise(windows: Array, order: int) -> Array:
     """The white noise of each window, told by differences of an order."""
-    differences = np.diff(windows, order, axis=1)
-    found: Array = np.sqrt(np.mean(differences**2, axis=1) / binom(2 * order, order))
-    return found
+    found = np.empty(len(windows))
+    for first in range(0, len(windows), BLOCK):
+        block = slice(first, first + BLOCK)
+        differences = np.diff(windows[block], order, axis=1)
+        found[block] = np.einsum("ij,ij->i", differences, differences)
+    noise: Array = np.sqrt(found / ((windows.shape[1] - order) * binom(2 * order, order)))
+    return noise
 
 
 def _runs(loud: Mask) -> list[slice]:
@@ -68,12 +73,17 @@ def _runs(loud: Mask) -> list[slice]:
 
 def _quiet_elsewhere(applied: Array, loud: Mask, run: slice) -> bool:
     """Whether windows outside a run, at its voltage and no slower, are mostly quiet."""
-    level = applied.mean(axis=1)
-    speed = np.abs(np.diff(applied, axis=1)).mean(axis=1)
-    low, high = np.min(level[run]), np.max(level[run])
-    margin = NEAR * np.ptp(applied)
-    alike = (
-        (low - margin <= level) & (level <= high + margin) & (speed >= SLOWER * np.mean(speed[run]))
-    )
-    alike[run] = False
-    return bool(np.count_nonzero(alike) >= ALIKE and np.mean(~loud[alike]) >= QUIET)
+    others = np.arange(0, len(loud), 1 + len(loud) // ENOUGH)
+    others = others[(others < run.start) | (others >= run.stop)]
+    level, speed = _course(applied[others])
+    own_level, own_speed = _course(applied[run])
+    margin = NEAR * float(np.ptp(level))
+    near = (np.min(own_level) - margin <= level) & (level <= np.max(own_level) + margin)
+    alike = others[near & (speed >= SLOWER * np.mean(own_speed))]
+    return bool(len(alike) >= ALIKE and np.mean(~loud[alike]) >= QUIET)
+
+
+def _course(applied: Array) -> tuple[Array, Array]:
+    """The mean voltage of each window, V, and how far it goes from one sample to the next."""
+    speed: Array = np.abs(np.diff(applied, axis=1)).mean(axis=1)
+    return applied.mean(axis=1), speed
