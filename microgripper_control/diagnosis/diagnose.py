@@ -13,12 +13,13 @@ from microgripper_control.diagnosis.answers.comparison import Comparison
 from microgripper_control.diagnosis.answers.sentence import sentence
 from microgripper_control.diagnosis.answers.weighing import Facts, weigh
 from microgripper_control.diagnosis.data.evidence import Evidence
-from microgripper_control.diagnosis.data.readings import without_dead_readings
+from microgripper_control.diagnosis.data.readings import UNCOUNTED, without_dead
 from microgripper_control.diagnosis.data.residuals import residuals_of
 from microgripper_control.diagnosis.experiments.experiment import next_experiment
 from microgripper_control.diagnosis.findings import (
     EFFECTS,
     NONE,
+    PARAMETERS,
     Diagnosis,
     NextExperiment,
     Signature,
@@ -80,12 +81,31 @@ def diagnose(
 ) -> Diagnosis:
     """Explain how the rig on the recordings differs from `nominal`, judged on `heldout` if given.
 
-    The effects in `without` are not tried. Raises MicrogripperError for recordings that tell
-    nothing.
+    The effects in `without` are not tried. Readings that a dead or clipped sensor repeats do not
+    count where an effect is found; where none is, they are a gap that no effect explains. Raises
+    MicrogripperError for recordings that tell nothing.
     """
-    recordings, dead = without_dead_readings(recordings)
-    heldout, also_dead = without_dead_readings(heldout)
-    whole = Evidence.gather(recordings, heldout, conditions or Conditions(), nominal)
+    alive, alive_heldout = without_dead(recordings), without_dead(heldout)
+    lines = [*alive.lines, *alive_heldout.lines]
+    conditions = conditions or Conditions()
+    whole = Evidence.gather(alive.recordings, alive_heldout.recordings, conditions, nominal)
+    found = _diagnosed(nominal, whole, lines, progress, jobs, without)
+    if found.verdict in (NONE, PARAMETERS) and (alive.left_out or alive_heldout.left_out):
+        whole = Evidence.gather(recordings, heldout, conditions, nominal)
+        lines = [line.removesuffix(UNCOUNTED) for line in lines]
+        found = _diagnosed(nominal, whole, lines, progress, jobs, without)
+    return found
+
+
+def _diagnosed(
+    nominal: Model,
+    whole: Evidence,
+    warnings: Sequence[str],
+    progress: Progress,
+    jobs: int,
+    without: Collection[str],
+) -> Diagnosis:
+    """The diagnosis from evidence; `warnings` are of its readings."""
     left_out = {*nominal.effects, *without}
     names = [name for name in candidate_names() if name not in left_out]
     explored = _explored(whole, names, progress, jobs)
@@ -132,8 +152,7 @@ def diagnose(
         judged=compared.judged(judging),
         shares=_shares(pool, given.effects, given.best),
         warnings=(
-            *dead,
-            *also_dead,
+            *warnings,
             *explored.warnings,
             *hold_warnings(pool.evidence, compared.refit),
         ),

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from importlib import import_module
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
-from microgripper_control.diagnosis.data.readings import without_dead_readings
+from microgripper_control.diagnosis.data.evidence import Evidence
+from microgripper_control.diagnosis.data.readings import without_dead
+from microgripper_control.plant.model import Model, nominal_model
 
 T = 1e-3 * np.arange(4000)
 VOLTAGE = 75.0 * (1.0 - np.cos(2.0 * np.pi * T))
@@ -22,7 +27,9 @@ def warned(displacement: Array, voltage: Array = VOLTAGE) -> list[str]:
 
 
 def checked(displacement: Array, voltage: Array = VOLTAGE) -> tuple[Recording, list[str]]:
-    (recording,), lines = without_dead_readings([Recording("run.csv", 1e-3, voltage, displacement)])
+    given = Recording("run.csv", 1e-3, voltage, displacement)
+    (recording,), lines, left_out = without_dead([given])
+    assert left_out == (recording is not given)
     return recording, lines
 
 
@@ -93,3 +100,27 @@ def test_a_staircase_without_noise_counts() -> None:
     recording, lines = checked(late, voltage)
     assert lines == []
     assert recording.read is None
+
+
+@pytest.mark.parametrize(("verdict", "asked"), [("effects", 1), ("unknown", 1), ("parameters", 2)])
+def test_dead_readings_count_where_nothing_else_is_found(
+    verdict: str, asked: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A sensor that stands still is a gap of its own, and no effect of the library."""
+    module = import_module("microgripper_control.diagnosis.diagnose")
+    stale = readings(15e-9)
+    stale[300:500] = stale[300]
+    given = Recording("run.csv", 1e-3, VOLTAGE, stale)
+    counted, told = [], []
+
+    def diagnosed(
+        nominal: Model, whole: Evidence, warnings: list[str], *rest: object
+    ) -> SimpleNamespace:
+        counted.append(bool(whole.fitted[0].present[400]))
+        told.append(warnings[0].endswith(" do not count"))
+        return SimpleNamespace(verdict=verdict)
+
+    monkeypatch.setattr(module, "_diagnosed", diagnosed)
+    module.diagnose(nominal_model(), [given])
+    assert counted == [False, True][:asked]
+    assert told == [True, False][:asked]

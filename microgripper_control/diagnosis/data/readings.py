@@ -29,6 +29,8 @@ MOST = 0.25  # of the samples: more do not go uncounted
 BESIDE = 4  # samples next to clipped ones: noise shows there only towards the middle
 
 
+UNCOUNTED = " and do not count"
+
 Mask = NDArray[np.bool_]
 
 
@@ -45,19 +47,27 @@ class _Dead(NamedTuple):
         share = f"{self.repeated / len(recording):.1%}"
         return (
             f"{recording.name}: {self.repeated} readings ({share}) {self.what} while the voltage "
-            f"moves: they look {self.look}{' and do not count' if left_out else ''}"
+            f"moves: they look {self.look}{UNCOUNTED if left_out else ''}"
         )
 
 
-def without_dead_readings(
-    recordings: Sequence[Recording],
-) -> tuple[list[Recording], list[str]]:
-    """The recordings without clipped and stale readings, and a line for each kind of them.
+class Alive(NamedTuple):
+    """Recordings without dead readings, a line for each kind of these, and whether any were."""
+
+    recordings: list[Recording]
+    lines: list[str]
+    left_out: bool
+
+
+def without_dead(recordings: Sequence[Recording]) -> Alive:
+    """Leave out clipped and stale readings, of which each line says so by ending in UNCOUNTED.
 
     They count all the same where a coarse grid or a slow sensor repeats readings elsewhere.
     """
     checked = [_without_dead(recording) for recording in recordings]
-    return [one for one, _ in checked], [line for _, lines in checked for line in lines]
+    alive = [one for one, _ in checked]
+    left_out = any(one is not before for one, before in zip(alive, recordings, strict=True))
+    return Alive(alive, [line for _, lines in checked for line in lines], left_out)
 
 
 def _without_dead(recording: Recording) -> tuple[Recording, list[str]]:
