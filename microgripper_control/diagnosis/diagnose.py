@@ -13,6 +13,7 @@ from microgripper_control.diagnosis.answers.comparison import Comparison
 from microgripper_control.diagnosis.answers.sentence import sentence
 from microgripper_control.diagnosis.answers.weighing import Facts, weigh
 from microgripper_control.diagnosis.data.evidence import Evidence
+from microgripper_control.diagnosis.data.gaps import cut_at_gaps
 from microgripper_control.diagnosis.data.readings import UNCOUNTED, without_dead
 from microgripper_control.diagnosis.data.residuals import residuals_of
 from microgripper_control.diagnosis.experiments.experiment import next_experiment
@@ -27,6 +28,7 @@ from microgripper_control.diagnosis.findings import (
 from microgripper_control.diagnosis.fits.fitting import FINE
 from microgripper_control.diagnosis.fits.hold_check import hold_warnings
 from microgripper_control.diagnosis.fits.identified_model import identified
+from microgripper_control.diagnosis.fits.scale_check import scale_warnings
 from microgripper_control.diagnosis.fits.trial import Trial
 from microgripper_control.diagnosis.fits.unseen import unseen_gap, unseen_warning
 from microgripper_control.diagnosis.search.exploration import alone, together
@@ -85,9 +87,10 @@ def diagnose(
     count where an effect is found; where none is, they are a gap that no effect explains. Raises
     MicrogripperError for recordings that tell nothing.
     """
+    pieces = cut_at_gaps(recordings, heldout, conditions or Conditions())
+    recordings, heldout, conditions = pieces.recordings, pieces.heldout, pieces.conditions
     alive, alive_heldout = without_dead(recordings), without_dead(heldout)
-    lines = [*alive.lines, *alive_heldout.lines]
-    conditions = conditions or Conditions()
+    lines = [*pieces.lines, *alive.lines, *alive_heldout.lines]
     whole = Evidence.gather(alive.recordings, alive_heldout.recordings, conditions, nominal)
     found = _diagnosed(nominal, whole, lines, progress, jobs, without)
     if found.verdict in (NONE, PARAMETERS) and (alive.left_out or alive_heldout.left_out):
@@ -153,6 +156,7 @@ def _diagnosed(
         shares=_shares(pool, given.effects, given.best),
         warnings=(
             *warnings,
+            *scale_warnings(whole.nominal, pool.evidence.fitted, whole.conditions),
             *explored.warnings,
             *hold_warnings(pool.evidence, compared.refit),
         ),

@@ -28,7 +28,6 @@ SELDOM = 0.01  # of the samples: so many others may be equal by chance
 MOST = 0.25  # of the samples: more do not go uncounted
 BESIDE = 4  # samples next to clipped ones: noise shows there only towards the middle
 
-
 UNCOUNTED = " and do not count"
 
 Mask = NDArray[np.bool_]

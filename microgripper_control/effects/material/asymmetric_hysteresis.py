@@ -297,7 +297,8 @@ def apart(values: Values, scales: Scales) -> Array:
         kernel(link.coefficients, link.state, loop)
         z = float(link.state[1])
     settled = abs(z - before) <= SETTLED * abs(before)
-    if not (settled and np.max(np.abs(loop[FREE])) < scales.stroke):  # nor if it has overflowed
+    bounded = np.max(np.abs(loop[FREE])) < scales.stroke  # nor if it has overflowed
+    if not (settled and bounded) and any(values[name] != 0.0 for name in OF_H):
         return apart({**values, **dict.fromkeys(OF_H, 0.0)}, scales)
     u = np.linspace(low, high, 50)
     rising = np.interp(u, rise[1:], loop[FREE, :LOOP])

@@ -364,6 +364,14 @@ def test_what_grows_from_round_to_round_is_not_told() -> None:
     assert np.all(np.isfinite(apart(values, scales)))
 
 
+def test_plays_that_go_beyond_the_stroke_are_told_as_they_are(paper: Model) -> None:
+    """There is no z to leave out."""
+    scales = Scales(1e-3, 10.0, (0.0, 150.0), 1e3, (0.0, 2e-5), 5e7, 0.0038)
+    far = paper.with_link("asymmetric_hysteresis", plays=5e-5, rise_bow=30.0)
+    values = far.values("asymmetric_hysteresis")
+    assert np.max(np.abs(apart(values, scales))) > 2e-5
+
+
 def test_a_bent_line_does_not_pass_for_a_loop() -> None:
     """With a reach far beyond the swing s is the voltage: a polynomial without any hysteresis."""
     scales = Scales(1e-3, 10.0, (0.0, 100.0), 100.0, (0.0, STROKE), 5e7, 0.0038)
