@@ -19,6 +19,8 @@ from microgripper_control.core.quantities import quantity
 from microgripper_control.core.signals import POSITION, Array, Timing
 from microgripper_control.effects.base import Prepared
 
+SAME_INSTANT = 1e-9  # of the clock: a conversion so shortly after a sample was due at it
+
 CLOCK = Parameter(
     "clock",
     "s",
@@ -40,9 +42,10 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
         step, clock = coefficients[row, 0], coefficients[row, 1]
         row = row + 1 if row + 1 < steps else 0
         end = bus[POSITION, j]
-        if at <= step:
-            at += clock * math.floor((step - at) / clock)  # of several the last is read
-            held = x + (end - x) * at / step
+        if at <= step + SAME_INSTANT * clock:
+            # Of several the last is read.
+            at += clock * math.floor((step - at) / clock + SAME_INSTANT)
+            held = x + (end - x) * min(1.0, at / step)
             at += clock
         at -= step
         x = end

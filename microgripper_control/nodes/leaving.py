@@ -41,8 +41,8 @@ class _Times(ctypes.Structure):
 def no_longer_than(seconds: float, status: int) -> Iterator[None]:
     """End the process with `status` if what is done inside takes longer, and say where it hangs.
 
-    With status 1 where the system has no timer for it. What the interpreter does afterwards is not
-    watched.
+    With status 1 where the system has no timer for it. What the interpreter does afterwards is for
+    `end_within`.
     """
     with suppress(ValueError, OSError):
         sys.stdout.flush()  # nothing that was printed is lost
@@ -56,6 +56,14 @@ def no_longer_than(seconds: float, status: int) -> Iterator[None]:
         faulthandler.cancel_dump_traceback_later()
         if timed:
             library.timer_delete(timer)
+
+
+def end_within(seconds: float, status: int) -> None:
+    """End the process with `status` if it has not ended by itself, where the system has a timer.
+
+    To be called last: it is not called off. The middleware may hang while the interpreter ends.
+    """
+    _end_later(ctypes.CDLL(None), ctypes.c_void_p(), seconds, status)
 
 
 def _end_later(library: ctypes.CDLL, timer: ctypes.c_void_p, seconds: float, status: int) -> bool:

@@ -38,7 +38,7 @@ from rclpy.utilities import try_shutdown
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.nodes.health import PERIOD, Health, Reporter
-from microgripper_control.nodes.leaving import no_longer_than
+from microgripper_control.nodes.leaving import end_within, no_longer_than
 from microgripper_control.nodes.parameters import (
     accept_whole_numbers,
     declare_number,
@@ -141,7 +141,9 @@ def run(make: Callable[[], Shell], args: list[str] | None = None) -> NoReturn:
     Exit status: 0 if it did what it was started for or was asked to end, 1 if it failed, 2 on bad
     input, with one line on standard error.
     """
-    sys.exit(_run(make, args))
+    status = _run(make, args)
+    end_within(PATIENCE, status)
+    sys.exit(status)
 
 
 def _run(make: Callable[[], Shell], args: list[str] | None) -> int:

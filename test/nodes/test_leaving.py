@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import time
 
 import pytest
 
@@ -37,3 +38,22 @@ def test_a_process_that_ends_in_time_is_left_alone() -> None:
 
 def test_a_system_without_such_a_timer_still_ends_what_hangs() -> None:
     assert ended(HANGS, before="leaving._end_later = lambda *_: False").returncode == 1
+
+
+@pytest.mark.parametrize(("late", "seconds"), [("None", 20.0), (HANGS, 0.2)])
+def test_the_end_of_the_interpreter_is_watched_as_well(late: str, seconds: float) -> None:
+    """As by what a module does when it is taken down."""
+    program = f"""
+import atexit, ctypes, sys
+from microgripper_control.nodes import leaving
+atexit.register(lambda: {late})
+print("worked", flush=True)
+leaving.end_within({seconds}, 7)
+sys.exit(7)
+"""
+    started = time.monotonic()
+    process = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, timeout=50, check=False
+    )
+    assert (process.returncode, process.stdout, process.stderr) == (7, "worked\n", "")
+    assert time.monotonic() - started < 15.0
