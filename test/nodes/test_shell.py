@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from running_nodes import Start
 
+from microgripper_control.nodes import shell
 from microgripper_control.nodes.controller import ControllerNode
 from microgripper_control.nodes.diagnoser import Diagnoser
 from microgripper_control.nodes.identifier import Identifier
@@ -54,6 +55,7 @@ def test_bad_input_gets_one_line_and_exit_status_2(
     message: str,
 ) -> None:
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(shell, "end_within", lambda seconds, status: None)  # this process goes on
     before = signal.getsignal(signal.SIGTERM)
     with pytest.raises(SystemExit) as ending:
         run(make, ["--ros-args", *(word for one in given for word in ("-p", one))])
