@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -81,6 +81,19 @@ class Recording:
         if self.displacement is None:
             raise MicrogripperError(f"{self.name}: has no displacement; record it, or map it")
         return self.displacement
+
+    def stretch(self, part: slice) -> Recording:
+        """Some of its samples, in a row, as a recording of its own, without the setpoint."""
+        before = part.start * self.sample_period
+        return replace(
+            self,
+            voltage=self.voltage[part],
+            displacement=self.measured[part],
+            setpoint=None,
+            start=self.start + before,
+            read=None if self.read is None else self.read[part],
+            reading_age=self.reading_age + before,
+        )
 
     @property
     def present(self) -> NDArray[np.bool_]:

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import binom
 
+from microgripper_control.core.runs import runs
 from microgripper_control.core.signals import Array
+from microgripper_control.recordings.white_noise import noise_by_differences
 
-WINDOW, BLOCK = 16, 2048  # samples, and windows that are looked at at once
+WINDOW = 16  # samples
 LOUD = 2.5  # times the usual noise of a window, and more than a step of the readings
 RUN = 3  # loud windows in a row, at the least
 WHITE = 1.5  # how far noise told by third differences may be off that told by fifth ones
@@ -33,15 +34,15 @@ def bursts(voltage: Array, displacement: Array) -> Mask:
     if len(displacement) < ALIKE * WINDOW:
         return found
     shown, applied = _in_windows(displacement), _in_windows(voltage)
-    noise = _noise(shown, 5)
+    noise = noise_by_differences(shown, 5)
     changes = np.abs(np.diff(displacement))
     step = float(np.min(changes, where=changes > 0.0, initial=np.inf))  # of a grid, if there is one
     loud = noise > max(LOUD * float(np.median(noise)), step)
     gain = float(np.ptp(displacement)) / max(float(np.ptp(voltage)), 1e-300)  # m/V
-    for run in _runs(loud):
+    for run in runs(loud, RUN):
         quietest = np.min(noise[run])
-        white = float(np.median(_noise(shown[run], 3))) / float(np.median(noise[run]))
-        bent = gain * np.max(_noise(applied[max(0, run.start - 1) : run.stop], 3))
+        white = float(np.median(noise_by_differences(shown[run], 3))) / float(np.median(noise[run]))
+        bent = gain * np.max(noise_by_differences(applied[max(0, run.start - 1) : run.stop], 3))
         if bent >= SMOOTH * quietest or not 1.0 / WHITE < white < WHITE:
             continue
         if _quiet_elsewhere(applied, loud, run):
@@ -51,24 +52,6 @@ def bursts(voltage: Array, displacement: Array) -> Mask:
 
 def _in_windows(signal: Array) -> Array:
     return signal[: len(signal) // WINDOW * WINDOW].reshape(-1, WINDOW)
-
-
-def _noise(windows: Array, order: int) -> Array:
-    """The white noise of each window, told by differences of an order."""
-    found = np.empty(len(windows))
-    for first in range(0, len(windows), BLOCK):
-        block = slice(first, first + BLOCK)
-        differences = np.diff(windows[block], order, axis=1)
-        found[block] = np.einsum("ij,ij->i", differences, differences)
-    noise: Array = np.sqrt(found / ((windows.shape[1] - order) * binom(2 * order, order)))
-    return noise
-
-
-def _runs(loud: Mask) -> list[slice]:
-    """Windows in a row that are loud, RUN at the least."""
-    ends = np.flatnonzero(np.diff(np.concatenate([[False], loud, [False]])))
-    runs = [slice(int(first), int(last)) for first, last in ends.reshape(-1, 2)]
-    return [run for run in runs if run.stop - run.start >= RUN]
 
 
 def _quiet_elsewhere(applied: Array, loud: Mask, run: slice) -> bool:

@@ -124,9 +124,7 @@ def _without_spikes(
     )
     mended = displacement.copy()
     mended[found] = middle
-    read = np.ones(len(mended), bool) if read is None else read.copy()
-    read[found] = False
-    return replace(samples, displacement=mended), read
+    return replace(samples, displacement=mended), _left_out(read, found, len(mended))
 
 
 def _without_bursts(
@@ -142,7 +140,16 @@ def _without_bursts(
         f"bursts of noise: {np.count_nonzero(found)} readings are far louder than others in the "
         f"same place, the first at sample {np.argmax(found)}; they do not count"
     )
-    return ~found if read is None else read & ~found
+    return _left_out(read, found, len(found))
+
+
+def _left_out(
+    read: NDArray[np.bool_] | None, found: NDArray[np.bool_] | NDArray[np.intp], count: int
+) -> NDArray[np.bool_]:
+    """Which of so many samples were read, without those that were found not to count."""
+    left = np.ones(count, bool) if read is None else read.copy()
+    left[found] = False
+    return left
 
 
 def _without_noise(samples: Samples, notes: list[str]) -> Samples:

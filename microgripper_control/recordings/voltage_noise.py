@@ -14,15 +14,16 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
-from scipy.special import binom, chdtri
+from scipy.special import chdtri
 
 from microgripper_control.core.signals import Array
+from microgripper_control.recordings.white_noise import noise_by_differences
 
 LOOKED_AT, LONG = 256, 64  # places, and differences at each, that tell how much noise there is
 QUIET = 0.25  # of the places: the voltage moves least there
 WHITE = 1.4  # how far noise told by third differences may be off that told by fifth ones
 LENGTHS = (65, 33, 17, 9, 5)  # samples that may lie on one polynomial
-ORDERS = {"around": 2, "behind": 1, "ahead": 1}  # of those around a sample, and to either side
+AROUND, BESIDE = 2, 1  # orders of those around a sample, and to either side of it
 LARGEST = 0.005  # of the voltage's span: what is more was meant
 BLOCK = 1 << 16  # samples at once; so many tell whether a jitter was applied as well
 LIKELY = 0.99  # of the polynomials through noise alone are no further off
@@ -61,18 +62,11 @@ def _white_noise(voltage: Array) -> float:
         return 0.0
     first = np.unique(np.linspace(0, len(voltage) - LONG - 5, LOOKED_AT).astype(int))
     places = voltage[first[:, None] + np.arange(LONG + 5)]
-    third, fifth = (_by_differences(places, order) for order in (3, 5))
+    third, fifth = (noise_by_differences(places, order) for order in (3, 5))
     at = int(np.argsort(fifth)[int(QUIET * len(first))])
     if fifth[at] == 0.0 or not 1.0 / WHITE < np.median(third / fifth.clip(1e-300)) < WHITE:
         return 0.0
     return float(np.median(fifth[fifth <= fifth[at] * WHITE]))
-
-
-def _by_differences(places: Array, order: int) -> Array:
-    """The noise at each of some places, V rms, told by differences of an order."""
-    differences = np.diff(places, order, axis=1)
-    found: Array = np.sqrt(np.mean(differences**2, axis=1) / binom(2 * order, order))
-    return found
 
 
 def _smoothed(voltage: Array, noise: float) -> Array:
@@ -103,14 +97,14 @@ def _on_longest(voltage: Array, noise: float) -> Array:
 def _on_polynomials(windows: Array, noise: float) -> Iterator[tuple[NDArray[np.intp], Array]]:
     """Samples and their values, V, on polynomials through as many as lie in a window."""
     length = windows.shape[1]
-    for side, order in ORDERS.items():
-        place = {"around": length // 2, "behind": length - 1, "ahead": 0}[side]
+    for order, places in ((AROUND, [length // 2]), (BESIDE, [length - 1, 0])):
         basis: Array = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, length), order + 1))[0]
         off = windows - (windows @ basis) @ basis.T
         freedom = length - order - 1
         limit = noise**2 * float(chdtri(freedom, 1.0 - LIKELY))
         near = np.flatnonzero(np.einsum("ij,ij->i", off, off) <= limit)
-        yield near + place, windows[near] @ (basis @ basis[place])
+        for place in places:
+            yield near + place, windows[near] @ (basis @ basis[place])
 
 
 def _may_belong(voltage: Array, smooth: Array, displacement: Array, noise: float) -> bool:

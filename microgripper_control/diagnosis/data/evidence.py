@@ -281,7 +281,7 @@ def _pieces_of(
     for recording, mask in zip(recordings, masks, strict=True):
         begin = int(np.argmax(mask)) if anywhere else 0
         for part in _parts(begin, len(recording), len(recording) * most / total, anywhere):
-            piece = _piece(recording, part)
+            piece = recording.stretch(part)
             lead = int(LEAD_IN * len(piece)) if anywhere and part.start > 0 else 0
             counts = mask[part] & (np.arange(len(piece)) >= lead)
             if not anywhere:
@@ -309,19 +309,6 @@ def _parts(begin: int, end: int, quota: float, anywhere: bool) -> Iterator[slice
         firsts = list(range(begin, begin + BLOCKS * block, 2 * block))
     for first in firsts:
         yield slice(first, min(first + span, end))
-
-
-def _piece(recording: Recording, part: slice) -> Recording:
-    """A stretch of a recording as a recording of its own."""
-    return replace(
-        recording,
-        voltage=recording.voltage[part],
-        displacement=recording.measured[part],
-        setpoint=None,
-        start=recording.start + part.start * recording.sample_period,
-        read=None if recording.read is None else recording.read[part],
-        reading_age=recording.reading_age + part.start * recording.sample_period,
-    )
 
 
 def rms(errors: Sequence[Array]) -> float:

@@ -6,13 +6,15 @@ move the while; after a longer gap a recording begins anew, with a state of its 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
 
 from microgripper_control.core.recording import Recording
+from microgripper_control.core.runs import runs
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.simulate import Initial
 
@@ -33,57 +35,45 @@ def cut_at_gaps(
     recordings: Sequence[Recording], heldout: Sequence[Recording], conditions: Conditions
 ) -> Pieces:
     """Cut recordings in their long gaps; what comes after one begins in no known state."""
-    found = {id(one): list(_pieces(one)) for one in (*recordings, *heldout)}
-    lines = [
-        f"{one.name}: nobody knows what was applied in its longest gaps: what lies between them is "
-        "taken as recordings of their own"
-        for one in (*recordings, *heldout)
-        if found[id(one)][0] is not one
+    fitted, judging = ([_pieces(one) for one in some] for some in (recordings, heldout))
+    cut = [
+        whole.name
+        for whole, pieces in zip((*recordings, *heldout), (*fitted, *judging), strict=True)
+        if pieces[0] is not whole
     ]
-    if lines:
+    lines = [
+        f"{name}: nobody knows what was applied in its longest gaps: what lies between them is "
+        "taken as recordings of their own"
+        for name in cut
+    ]
+    if cut:
         conditions = replace(conditions, initial=Initial.FIRST_SAMPLE)
-    fitted, judging = (
-        [piece for one in some for piece in found[id(one)]] for some in (recordings, heldout)
-    )
-    return Pieces(fitted, judging, conditions, lines)
+    return Pieces([*chain(*fitted)], [*chain(*judging)], conditions, lines)
 
 
-def _pieces(recording: Recording) -> Iterator[Recording]:
-    """The parts between long gaps, or the recording itself if it has none."""
-    gaps = list(_long_gaps(recording))
-    if not gaps:
-        yield recording
-        return
-    count = len(recording)
+def _pieces(recording: Recording) -> list[Recording]:
+    """The parts between long gaps; the recording itself if it has none, or nothing is left."""
+    gaps = _long_gaps(recording)
     starts = [0, *(gap.stop for gap in gaps)]
-    stops = [*(gap.start for gap in gaps), count]
-    long = [(a, b) for a, b in zip(starts, stops, strict=True) if b - a >= SHORTEST]
-    for first, last in long or [(0, count)]:
-        yield _part(recording, slice(first, last))
+    stops = [*(gap.start for gap in gaps), len(recording)]
+    parts = [slice(a, b) for a, b in zip(starts, stops, strict=True) if b - a >= SHORTEST]
+    if not gaps or not parts:
+        return [recording]
+    pieces = [recording.stretch(part) for part in parts]
+    return [
+        piece if part.start == 0 else replace(piece, name=f"{piece.name} from {piece.start:.4g} s")
+        for part, piece in zip(parts, pieces, strict=True)
+    ]
 
 
-def _long_gaps(recording: Recording) -> Iterator[slice]:
+def _long_gaps(recording: Recording) -> list[slice]:
     """Rows of samples that were filled in, in which the voltage may have gone far."""
-    if recording.read is None:
-        return
-    filled = np.concatenate([[False], ~recording.read, [False]])
-    known = recording.voltage[recording.read]
+    known = recording.voltage[recording.present]
     usual = float(np.mean(np.abs(np.diff(known)))) if len(known) > 1 else 0.0
-    for first, last in np.flatnonzero(np.diff(filled)).reshape(-1, 2):
-        held = np.ptp(recording.voltage[first:last]) == 0.0  # else it is known, but not the reading
-        if held and (last - first) * usual > WAY * np.ptp(known):
-            yield slice(int(first), int(last))
-
-
-def _part(recording: Recording, part: slice) -> Recording:
-    begins = recording.start + part.start * recording.sample_period
-    setpoint, read = recording.setpoint, recording.read
-    return replace(
-        recording,
-        name=recording.name if part.start == 0 else f"{recording.name} from {begins:.4g} s",
-        voltage=recording.voltage[part].copy(),
-        displacement=recording.measured[part].copy(),
-        setpoint=None if setpoint is None else setpoint[part].copy(),
-        read=None if read is None else read[part],
-        start=begins,
-    )
+    longest = WAY * float(np.ptp(known)) if len(known) else 0.0
+    return [
+        gap
+        for gap in runs(~recording.present)
+        if (gap.stop - gap.start) * usual > longest
+        and np.ptp(recording.voltage[gap]) == 0.0  # else it is known, but not the reading
+    ]

@@ -72,7 +72,10 @@ def without_dead(recordings: Sequence[Recording]) -> Alive:
 def _without_dead(recording: Recording) -> tuple[Recording, list[str]]:
     count, x = len(recording), recording.measured
     rows, alone = _rows_of_equals(recording)
-    found = [dead for dead in (_clipped(x, rows), _stale(x, rows)) if dead.repeated > MANY * count]
+    ends = float(np.min(x)), float(np.max(x))
+    clipped = _clipped(x, [row for row in rows if x[row.start] in ends])
+    stale = _stale(x, [row for row in rows if x[row.start] not in ends])
+    found = [dead for dead in (clipped, stale) if dead.repeated > MANY * count]
     left_out = alone and sum(dead.repeated for dead in found) <= MOST * count
     lines = [dead.told(recording, left_out) for dead in found]
     if not found or not left_out:
@@ -82,20 +85,16 @@ def _without_dead(recording: Recording) -> tuple[Recording, list[str]]:
 
 
 def _clipped(x: Array, rows: Sequence[slice]) -> _Dead:
-    ends = float(np.min(x)), float(np.max(x))
-    ours = [row for row in rows if x[row.start] in ends]
-    limited = np.isin(x, [x[row.start] for row in ours])
+    limited = np.isin(x, [x[row.start] for row in rows])
     samples = binary_dilation(limited, iterations=BESIDE)
-    return _Dead("stand at the end of the sensor's range", "clipped", _total(ours), samples)
+    return _Dead("stand at the end of the sensor's range", "clipped", _total(rows), samples)
 
 
 def _stale(x: Array, rows: Sequence[slice]) -> _Dead:
-    ends = float(np.min(x)), float(np.max(x))
-    ours = [row for row in rows if x[row.start] not in ends]
     samples = np.zeros(len(x), bool)
-    for row in ours:
+    for row in rows:
         samples[row] = True
-    return _Dead("repeat the one before", "stale", _total(ours), samples)
+    return _Dead("repeat the one before", "stale", _total(rows), samples)
 
 
 def _total(rows: Sequence[slice]) -> int:

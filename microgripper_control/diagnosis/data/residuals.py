@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from microgripper_control.core.recording import Recording
+from microgripper_control.core.runs import runs
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.identification.nuisance import Heldout, Mask, heldout_prediction
@@ -88,9 +89,7 @@ class Residual:
 
     def runs(self, shortest: int) -> list[slice]:
         """The stretches of counted samples without a gap, of at least `shortest` samples."""
-        edges = np.flatnonzero(np.diff(self.counted.astype(np.int8), prepend=0, append=0))
-        pairs = zip(edges[::2], edges[1::2], strict=True)
-        return [slice(int(a), int(b)) for a, b in pairs if b - a >= shortest]
+        return runs(self.counted, shortest)
 
     def holds(self, shortest: float) -> list[slice]:
         """The stretches, counted or not, in which the voltage is held for `shortest` s or more.
