@@ -65,16 +65,16 @@ def simulate(
     else:
         prediction = predict(rig, given, conditions, Nuisance())
     refuse_divergence(given, prediction)
-    read = given.present  # one row for each sample that was recorded, none for those filled in
+    recorded = given.present  # one row for each sample that was recorded, none for those filled in
     with written_whole(out) as file:
         file.write("time_s,displacement_m\n")
-        for time, value in zip(given.time[read], prediction[read], strict=True):
+        for time, value in zip(given.time[recorded], prediction[recorded], strict=True):
             file.write(f"{time:.9f},{float(value)!r}\n")
     summary = _summary(given.displacement, prediction, counted)
     if json_:
         typer.echo(json.dumps({"recording": given.name, "predicted": str(out), **summary}))
         return
-    typer.echo(f"{np.count_nonzero(read)} samples predicted: {out}")
+    typer.echo(f"{np.count_nonzero(recorded)} samples predicted: {out}")
     if summary:
         relative = summary.get("relative_rmse")
         of_span = "" if relative is None else f", {100.0 * relative:.3f} % of peak to peak"

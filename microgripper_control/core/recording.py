@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.runs import runs
 from microgripper_control.core.signals import Array
 
 SHORTEST = 10  # samples
@@ -16,6 +18,8 @@ STEADY = 0.01  # of the voltage's span: a smaller change over a gap leaves no do
 UNSETTLED = 0.05  # s: how long a rig may still answer to a voltage that is not known,
 UNSETTLED_SAMPLES = 5  # at the least
 MOST_UNSETTLED = 0.2  # of all samples: more of them do not go uncounted for that
+
+Mask = NDArray[np.bool_]
 
 
 def check_samples(
@@ -49,7 +53,8 @@ class Recording:
 
     `voltage[k]` (V) is applied from that instant on, `displacement[k]` (m) is read at it;
     `displacement` and `setpoint` (m) are None where they were not recorded. `warnings` says what
-    was mended on reading, `read` (bool, shape (n,), None for all) which samples are no fillings.
+    was mended on reading. `recorded` (bool, shape (n,), None for all) says which samples are no
+    fillings, `read` which of them have a reading that counts.
     `reading_age` is how old the first reading is where the sensor converts on a clock of its own.
     Raises MicrogripperError naming the recording on bad samples.
     """
@@ -61,7 +66,8 @@ class Recording:
     setpoint: Array | None = None
     start: float = 0.0  # s
     warnings: tuple[str, ...] = ()
-    read: NDArray[np.bool_] | None = None
+    recorded: Mask | None = None
+    read: Mask | None = None
     reading_age: float = 0.0  # s
 
     def __post_init__(self) -> None:
@@ -91,34 +97,36 @@ class Recording:
             displacement=self.measured[part],
             setpoint=None,
             start=self.start + before,
+            recorded=None if self.recorded is None else self.recorded[part],
             read=None if self.read is None else self.read[part],
             reading_age=self.reading_age + before,
         )
 
     @property
-    def present(self) -> NDArray[np.bool_]:
-        """The samples that were read, not filled in, shape (n,)."""
-        return np.ones(len(self), bool) if self.read is None else self.read
+    def present(self) -> Mask:
+        """The samples that were recorded, not filled in, shape (n,)."""
+        return np.ones(len(self), bool) if self.recorded is None else self.recorded
 
     @property
-    def explained(self) -> NDArray[np.bool_]:
-        """The samples that were read and not soon after a voltage that is not known, shape (n,).
+    def counting(self) -> Mask:
+        """The samples that were recorded with a reading that counts, shape (n,)."""
+        return self.present if self.read is None else self.present & self.read
 
-        A voltage that changed while nothing was read did so at an unknown moment.
+    @cached_property
+    def explained(self) -> Mask:
+        """Those that count and do not come soon after a voltage that is not known, shape (n,).
+
+        A voltage that changed while nothing was recorded did so at an unknown moment.
         """
-        if self.read is None:  # a fit asks at every step
-            return self.present
-        counted: NDArray[np.bool_] = self.read.copy()
-        last = np.flatnonzero(counted[:-1] & ~counted[1:])
-        following = np.flatnonzero(~counted[:-1] & counted[1:]) + 1
-        if not counted[0]:  # a piece may begin within a gap, and end within one
-            following = following[1:]
-        last = last[: len(following)]
-        change = np.abs(self.voltage[following] - self.voltage[last])
-        unknown = following[change > STEADY * np.ptp(self.voltage)]
+        counted: Mask = self.counting.copy()
+        gaps = [gap for gap in runs(~self.present) if gap.start > 0 and gap.stop < len(self)]
+        change = [abs(self.voltage[gap.stop] - self.voltage[gap.start - 1]) for gap in gaps]
+        smallest = STEADY * np.ptp(self.voltage)
+        unknown = [gap.stop for gap, by in zip(gaps, change, strict=True) if by > smallest]
         unsettled = self.unsettled(max(1, len(unknown)))
         for first in unknown:
             counted[first : first + unsettled] = False
+        counted.setflags(write=False)
         return counted
 
     def unsettled(self, gaps: int = 1) -> int:

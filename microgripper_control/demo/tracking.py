@@ -84,7 +84,7 @@ def _error(recording: Recording, part: slice, planned: Array) -> tuple[float, fl
     assert recording.setpoint is not None
     setpoint, span = recording.setpoint[part], float(np.ptp(planned))
     recorded = planned[len(planned) - len(setpoint) :]
-    counts = recording.present[part] & (np.abs(setpoint - recorded) < LATE * span)
+    counts = recording.counting[part] & (np.abs(setpoint - recorded) < LATE * span)
     missed = 1.0 - float(np.count_nonzero(counts)) / len(planned)
     if missed > MOST_MISSED:
         return missed, None

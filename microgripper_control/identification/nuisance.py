@@ -51,7 +51,7 @@ class Conditions:
 
         The first ones answer to what was before them, known only from rest or a period.
         """
-        counted: Mask = recording.explained
+        counted: Mask = recording.explained.copy()
         if self.initial is Initial.FIRST_SAMPLE:
             counted[: recording.unsettled()] = False
         return counted
@@ -256,7 +256,9 @@ def _by_hysteresis(
         return anew
     until = max(SHORTEST, int(remembered[-1]) + 1)
     voltage = recording.voltage[:until]
-    beginning = replace(recording, voltage=voltage, displacement=None, setpoint=None, read=None)
+    beginning = Recording(
+        recording.name, recording.sample_period, voltage, reading_age=recording.reading_age
+    )
     ends = {-bound: low, bound: high}
 
     @lru_cache(LATELY)

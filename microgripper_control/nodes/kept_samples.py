@@ -9,7 +9,9 @@ from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
 from microgripper_control.core.sliding import Sliding
 from microgripper_control.nodes.pacing import SampleNumber
-from microgripper_control.recordings.clock import Samples, on_uniform_clock
+from microgripper_control.recordings.clean import cleaned
+from microgripper_control.recordings.clock import on_uniform_clock
+from microgripper_control.recordings.samples import Samples
 
 LONGEST_PAUSE = 1.0  # s, at least 10 samples: what went on in a longer one nobody knows
 FEWEST, MOST = 100, 1000  # newest intervals that tell the rate, whatever was missed meanwhile
@@ -70,9 +72,8 @@ class KeptSamples:
     def recording(self) -> Recording:
         """The samples on one clock; MicrogripperError where they are too few or on none."""
         time, voltage, displacement = self._columns
-        return on_uniform_clock(
-            "joint_states", Samples(time - time[:1], voltage, displacement, origin=0.0)
-        )
+        samples = Samples(time - time[:1], voltage, displacement, origin=0.0)
+        return cleaned(on_uniform_clock("joint_states", samples))
 
     def _begin(self, stamp: int) -> None:
         self._first = stamp

@@ -19,9 +19,10 @@ from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
 from microgripper_control.recordings.bag import Bag
-from microgripper_control.recordings.clock import Samples, on_uniform_clock
+from microgripper_control.recordings.clock import on_uniform_clock
 from microgripper_control.recordings.layout import Layout, LayoutError, Place
 from microgripper_control.recordings.mapping import Mapping, Source
+from microgripper_control.recordings.samples import Samples
 from microgripper_control.recordings.storage import Integers, Topic
 from microgripper_control.recordings.values import values_by_block
 

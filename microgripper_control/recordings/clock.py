@@ -10,7 +10,7 @@ voltage by up to one of them. What was done is said in the recording's warnings.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -18,12 +18,9 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
 from microgripper_control.core.errors import MicrogripperError, one_line
-from microgripper_control.core.quantities import quantity
 from microgripper_control.core.recording import Recording, check_samples
 from microgripper_control.core.signals import Array
-from microgripper_control.recordings.bursts import bursts
-from microgripper_control.recordings.spikes import spikes
-from microgripper_control.recordings.voltage_noise import voltage_noise
+from microgripper_control.recordings.samples import Samples
 
 LARGEST_JITTER = 0.02  # of the sample period, of 95 % of the stamps: below it they are uniform
 LARGEST_STEP = 0.25  # of the sample period: if 95 % of the steps are as near to whole ones,
@@ -38,47 +35,6 @@ OVERTAKEN = 5.0  # periods, time runs backwards
 SHORT, MANY = 0.05, 0.25  # of a usual step; of all steps: so many so short ones are bursts
 
 
-@dataclass(frozen=True)
-class Samples:
-    """A recording as it was stored: every sample with a stamp of its own.
-
-    `time` is in s, shape (n,), and counts from `origin` (s), so that stamps since 1970 keep their
-    nanoseconds. `voltage` in V; `displacement` and `setpoint` in m.
-    """
-
-    time: Array
-    voltage: Array
-    displacement: Array | None = None
-    setpoint: Array | None = None
-    origin: float = 0.0
-
-    def on(self, known: Array, wanted: Array) -> Samples:
-        """Read the signals, known at increasing positions, off at others, one apart.
-
-        Voltage and setpoint are those that hold for most of the way to the next position; the
-        displacement runs straight.
-        """
-        held = np.searchsorted(known, wanted + 0.5, side="right") - 1
-        displacement = self.displacement
-        return Samples(
-            time=np.interp(wanted, known, self.time),
-            voltage=self.voltage[held],
-            displacement=None if displacement is None else np.interp(wanted, known, displacement),
-            setpoint=None if self.setpoint is None else self.setpoint[held],
-            origin=self.origin,
-        )
-
-    def where(self, keep: NDArray[np.bool_] | NDArray[np.intp]) -> Samples:
-        """Only the samples at which `keep` is true, or which it numbers."""
-        return Samples(
-            time=self.time[keep],
-            voltage=self.voltage[keep],
-            displacement=None if self.displacement is None else self.displacement[keep],
-            setpoint=None if self.setpoint is None else self.setpoint[keep],
-            origin=self.origin,
-        )
-
-
 def on_uniform_clock(name: str, samples: Samples, warnings: tuple[str, ...] = ()) -> Recording:
     """Make a recording of stamped samples; `warnings` are added to those of this function.
 
@@ -90,13 +46,10 @@ def on_uniform_clock(name: str, samples: Samples, warnings: tuple[str, ...] = ()
     samples = _increasing(name, samples, notes)
     period, known, timely = _positions(name, samples.time, notes)
     wanted = np.arange(int(known[-1] + 1e-6) + 1, dtype=float)
-    read = None if timely.all() else timely
+    recorded, read = None, None if timely.all() else np.isin(wanted, known[timely])
     if not np.array_equal(known, wanted):
         samples = samples.on(known, wanted)
-        read = _read(known, wanted, timely, notes)
-    samples, read = _without_spikes(samples, read, notes)
-    samples = _without_noise(samples, notes)
-    read = _without_bursts(samples, read, notes)
+        recorded = _recorded(known, wanted, notes)
     return Recording(
         name=name,
         sample_period=float(f"{period:.12g}"),  # 0.001 again, not 0.0010000000000000002
@@ -105,73 +58,15 @@ def on_uniform_clock(name: str, samples: Samples, warnings: tuple[str, ...] = ()
         setpoint=samples.setpoint,
         start=samples.origin + float(samples.time[0]),
         warnings=tuple(map(one_line, notes)),
+        recorded=recorded,
         read=read,
     )
 
 
-def _without_spikes(
-    samples: Samples, read: NDArray[np.bool_] | None, notes: list[str]
-) -> tuple[Samples, NDArray[np.bool_] | None]:
-    """The samples with the neighbours' mean in the place of each spike, which was not read."""
-    displacement = samples.displacement
-    if displacement is None or not len(found := spikes(samples.voltage, displacement)):
-        return samples, read
-    middle = 0.5 * (displacement[found - 1] + displacement[found + 1])
-    farthest = np.max(np.abs(displacement[found] - middle))
-    notes.append(
-        f"spikes: {len(found)} single readings stand far off those around them, by up to "
-        f"{quantity(float(farthest), 'm')}, the first at sample {found[0]}; they do not count"
-    )
-    mended = displacement.copy()
-    mended[found] = middle
-    return replace(samples, displacement=mended), _left_out(read, found, len(mended))
-
-
-def _without_bursts(
-    samples: Samples, read: NDArray[np.bool_] | None, notes: list[str]
-) -> NDArray[np.bool_] | None:
-    """Which samples were read, without those in bursts of noise."""
-    if samples.displacement is None:
-        return read
-    found = bursts(samples.voltage, samples.displacement)
-    if not found.any():
-        return read
-    notes.append(
-        f"bursts of noise: {np.count_nonzero(found)} readings are far louder than others in the "
-        f"same place, the first at sample {np.argmax(found)}; they do not count"
-    )
-    return _left_out(read, found, len(found))
-
-
-def _left_out(
-    read: NDArray[np.bool_] | None, found: NDArray[np.bool_] | NDArray[np.intp], count: int
-) -> NDArray[np.bool_]:
-    """Which of so many samples were read, without those that were found not to count."""
-    left = np.ones(count, bool) if read is None else read.copy()
-    left[found] = False
-    return left
-
-
-def _without_noise(samples: Samples, notes: list[str]) -> Samples:
-    """The samples without what of the voltage is noise of its own, that was never applied."""
-    if samples.displacement is None:
-        return samples
-    noise, smooth = voltage_noise(samples.voltage, samples.displacement)
-    if noise == 0.0:
-        return samples
-    notes.append(
-        f"the voltage was recorded with noise of {quantity(noise, 'V')} rms that the displacement "
-        "does not answer: it was taken away"
-    )
-    return replace(samples, voltage=smooth)
-
-
-def _read(
-    known: Array, wanted: Array, timely: NDArray[np.bool_], notes: list[str]
-) -> NDArray[np.bool_] | None:
-    """Which ticks were read in time, not filled in; unequally spaced, those near a sample."""
+def _recorded(known: Array, wanted: Array, notes: list[str]) -> NDArray[np.bool_] | None:
+    """Which ticks were recorded, not filled in; unequally spaced, those near a sample."""
     if np.array_equal(known, np.rint(known)):  # ticks of the clock, some of them missing
-        return np.isin(wanted, known[timely])
+        return np.isin(wanted, known)
     after = np.searchsorted(known, wanted).clip(1, len(known) - 1)
     apart = np.minimum(np.abs(wanted - known[after - 1]), np.abs(known[after] - wanted))
     near: NDArray[np.bool_] = apart <= 1.0

@@ -12,8 +12,9 @@ from microgripper_control.core.files import written_whole
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
 from microgripper_control.core.table import Table
-from microgripper_control.recordings.clock import Samples, on_uniform_clock
+from microgripper_control.recordings.clock import on_uniform_clock
 from microgripper_control.recordings.mapping import Mapping
+from microgripper_control.recordings.samples import Samples
 
 USUAL_COLUMNS = {
     "time": "time_s",
@@ -57,8 +58,8 @@ def write_csv(path: str | Path, recording: Recording) -> None:
         columns["setpoint_m"] = recording.setpoint
     with written_whole(path) as file:
         file.write(",".join(columns) + "\n")
-        read = recording.present
-        for row in zip(*(column[read].tolist() for column in columns.values()), strict=True):
+        recorded = recording.present
+        for row in zip(*(column[recorded].tolist() for column in columns.values()), strict=True):
             file.write(",".join(map(repr, row)) + "\n")
 
 

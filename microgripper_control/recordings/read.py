@@ -9,6 +9,7 @@ from microgripper_control.core.recording import Recording
 from microgripper_control.recordings import mcap, sqlite
 from microgripper_control.recordings.bag import ROS1_MAGIC, SUFFIXES
 from microgripper_control.recordings.bag_recording import read_bag
+from microgripper_control.recordings.clean import cleaned
 from microgripper_control.recordings.csv import read_csv
 from microgripper_control.recordings.mapping import DEFAULT_MAPPING, Mapping
 
@@ -29,7 +30,7 @@ def read_recording(
     except OSError as error:
         raise MicrogripperError(f"{path}: cannot be read: {error.strerror}") from None
     read = read_bag if is_bag else read_csv
-    return read(path, mapping, needs_displacement=needs_displacement)
+    return cleaned(read(path, mapping, needs_displacement=needs_displacement))
 
 
 def _looks_like_a_bag(path: Path) -> bool:

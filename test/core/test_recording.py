@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -11,9 +13,9 @@ COUNT = 1000
 
 
 def recording(voltage: np.ndarray, lost: list[int], period: float = 1e-3) -> Recording:
-    read = np.ones(len(voltage), bool)
-    read[lost] = False
-    return Recording("run", period, voltage, np.zeros(len(voltage)), read=read)
+    recorded = np.ones(len(voltage), bool)
+    recorded[lost] = False
+    return Recording("run", period, voltage, np.zeros(len(voltage)), recorded=recorded)
 
 
 def stepped(*steps: int) -> np.ndarray:
@@ -38,6 +40,15 @@ def test_what_follows_a_change_at_an_unknown_moment_does_not_count(
     run = recording(stepped(500), [499, 500], period)
     assert np.array_equal(np.flatnonzero(~run.explained), np.arange(499, 501 + settling))
     assert np.array_equal(np.flatnonzero(~run.present), [499, 500])
+
+
+def test_after_readings_that_do_not_count_the_rig_is_where_it_should_be() -> None:
+    """Its voltage was recorded: only the readings themselves are left out."""
+    read = np.ones(COUNT, bool)
+    read[480:520] = False
+    run = replace(recording(stepped(500), [200]), read=read)
+    assert np.array_equal(np.flatnonzero(~run.explained), [200, *range(480, 520)])
+    assert np.array_equal(np.flatnonzero(~run.present), [200])
 
 
 def test_most_of_a_recording_with_many_gaps_still_counts() -> None:

@@ -9,7 +9,8 @@ from microgripper_control.core.recording import Recording
 from microgripper_control.diagnosis.data.gaps import cut_at_gaps
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.simulate import Initial
-from microgripper_control.recordings.clock import Samples, on_uniform_clock
+from microgripper_control.recordings.clock import on_uniform_clock
+from microgripper_control.recordings.samples import Samples
 
 PERIOD, COUNT = 1e-3, 6000  # s, samples
 TIME = PERIOD * np.arange(COUNT)

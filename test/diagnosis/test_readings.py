@@ -116,7 +116,7 @@ def test_dead_readings_count_where_nothing_else_is_found(
     def diagnosed(
         nominal: Model, whole: Evidence, warnings: list[str], *rest: object
     ) -> SimpleNamespace:
-        counted.append(bool(whole.fitted[0].present[400]))
+        counted.append(bool(whole.fitted[0].counting[400]))
         told.append(warnings[0].endswith(" do not count"))
         return SimpleNamespace(verdict=verdict)
 

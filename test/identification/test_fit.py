@@ -99,7 +99,7 @@ def test_samples_that_were_filled_in_do_not_count() -> None:
     for start in range(200, 7800, 400):
         read[start : start + 60] = False
     filled = np.interp(whole.time, whole.time[read], whole.measured[read])
-    holed = Recording("holed", 1e-3, whole.voltage.copy(), filled, read=read)
+    holed = Recording("holed", 1e-3, whole.voltage.copy(), filled, recorded=read)
     found = fit(mistuned(truth, 1.1, 0.9, 1.1, 0.9), [holed])
     assert all(error(found, truth, name) < 1e-2 for name in NAMES)
     assert found.rmse[0] == pytest.approx(NOISE, rel=0.05)

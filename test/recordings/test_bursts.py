@@ -9,7 +9,9 @@ from microgripper_control.core.signals import Array
 from microgripper_control.plant.model import nominal_model
 from microgripper_control.plant.simulate import simulate
 from microgripper_control.recordings.bursts import bursts
-from microgripper_control.recordings.clock import Samples, on_uniform_clock
+from microgripper_control.recordings.clean import cleaned
+from microgripper_control.recordings.clock import on_uniform_clock
+from microgripper_control.recordings.samples import Samples
 
 PERIOD, COUNT, NOISE = 1e-3, 8000, 10e-9  # s, samples, m rms
 TIME = PERIOD * np.arange(COUNT)
@@ -40,7 +42,7 @@ def test_bursts_are_found(course: str, times: float) -> None:
 
 
 def test_readings_in_bursts_do_not_count() -> None:
-    recording = on_uniform_clock("run", Samples(TIME, WAVES, shaken(WAVES, 10.0)))
+    recording = cleaned(on_uniform_clock("run", Samples(TIME, WAVES, shaken(WAVES, 10.0))))
     assert "bursts of noise: " in recording.warnings[0]
     assert "they do not count" in recording.warnings[0]
     assert recording.read is not None

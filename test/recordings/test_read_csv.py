@@ -57,6 +57,14 @@ def test_samples_that_were_filled_in_are_not_written(tmp_path: Path) -> None:
     assert found.warnings == filled.warnings
 
 
+def test_readings_that_do_not_count_are_written(tmp_path: Path) -> None:
+    voltage, displacement = np.random.default_rng(3).standard_normal((2, COUNT))
+    read = np.arange(COUNT) % 7 > 0
+    write_csv(tmp_path / "run.csv", Recording("run", 1e-3, voltage, displacement, read=read))
+    found = read_recording(tmp_path / "run.csv")
+    assert np.array_equal(found.displacement, displacement)
+
+
 def test_columns_in_any_order_and_further_ones(tmp_path: Path) -> None:
     rows = [f"note {k},{1e-8 * k},{0.001 * k:.3f}, {k}" for k in range(COUNT)]
     path = write(tmp_path, "remark, displacement_m ,time_s,voltage_V", *rows)

@@ -11,7 +11,9 @@ from microgripper_control.core.signals import Array
 from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model, nominal_model
 from microgripper_control.plant.simulate import simulate
-from microgripper_control.recordings.clock import Samples, on_uniform_clock
+from microgripper_control.recordings.clean import cleaned
+from microgripper_control.recordings.clock import on_uniform_clock
+from microgripper_control.recordings.samples import Samples
 from microgripper_control.recordings.spikes import spikes
 
 COUNT = 4000
@@ -66,9 +68,9 @@ def test_spikes_are_read_as_missing_and_told() -> None:
     x = measured(SINES)
     known = x.copy()
     x[AT] += 2e-6
-    recording = on_uniform_clock("run", Samples(TIME, SINES, x))
-    assert np.flatnonzero(~recording.present).tolist() == AT.tolist()
-    others = recording.present
+    recording = cleaned(on_uniform_clock("run", Samples(TIME, SINES, x)))
+    assert np.flatnonzero(~recording.counting).tolist() == AT.tolist()
+    others = recording.counting
     assert np.array_equal(recording.measured[others], known[others])
     assert recording.measured[AT] == pytest.approx(known[AT], abs=0.2e-6)
     (warning,) = recording.warnings

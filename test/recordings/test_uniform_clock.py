@@ -8,7 +8,8 @@ from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
 from microgripper_control.plant.model import nominal_model
 from microgripper_control.plant.simulate import simulate
-from microgripper_control.recordings.clock import LARGEST_STEP, Samples, on_uniform_clock
+from microgripper_control.recordings.clock import LARGEST_STEP, on_uniform_clock
+from microgripper_control.recordings.samples import Samples
 
 PERIOD = 1e-3
 COUNT = 2000

@@ -9,7 +9,9 @@ from microgripper_control.core.signals import Array
 from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import nominal_model
 from microgripper_control.plant.simulate import simulate
-from microgripper_control.recordings.clock import Samples, on_uniform_clock
+from microgripper_control.recordings.clean import cleaned
+from microgripper_control.recordings.clock import on_uniform_clock
+from microgripper_control.recordings.samples import Samples
 from microgripper_control.recordings.voltage_noise import voltage_noise
 
 PERIOD, COUNT = 1e-3, 8000  # s, samples
@@ -37,7 +39,7 @@ def test_noise_of_a_measured_voltage_is_taken_away(applied: Array, left: float) 
 
 def test_a_measured_voltage_does_not_let_the_model_relax() -> None:
     measured = STEPS + NOISE * np.random.default_rng(3).standard_normal(COUNT)
-    recording = on_uniform_clock("run", Samples(TIME, measured, read(STEPS, 4)))
+    recording = cleaned(on_uniform_clock("run", Samples(TIME, measured, read(STEPS, 4))))
     assert "mV rms that the displacement does not answer" in recording.warnings[0]
     applied, noisy = (simulate(nominal_model(), v, PERIOD) for v in (STEPS, measured))
     error = simulate(nominal_model(), recording.voltage, PERIOD) - applied

@@ -71,9 +71,4 @@ def _long_gaps(recording: Recording) -> list[slice]:
     known = recording.voltage[recording.present]
     usual = float(np.mean(np.abs(np.diff(known)))) if len(known) > 1 else 0.0
     longest = WAY * float(np.ptp(known)) if len(known) else 0.0
-    return [
-        gap
-        for gap in runs(~recording.present)
-        if (gap.stop - gap.start) * usual > longest
-        and np.ptp(recording.voltage[gap]) == 0.0  # else it is known, but not the reading
-    ]
+    return [gap for gap in runs(~recording.present) if (gap.stop - gap.start) * usual > longest]

@@ -81,7 +81,7 @@ def _without_dead(recording: Recording) -> tuple[Recording, list[str]]:
     if not found or not left_out:
         return recording, lines
     dead = np.any([one.samples for one in found], axis=0)
-    return replace(recording, read=recording.present & ~dead), lines
+    return replace(recording, read=recording.counting & ~dead), lines
 
 
 def _clipped(x: Array, rows: Sequence[slice]) -> _Dead:
