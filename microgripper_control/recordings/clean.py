@@ -25,19 +25,20 @@ def cleaned(recording: Recording) -> Recording:
 
 
 def _without_spikes(recording: Recording) -> Recording:
-    """The neighbours' mean in the place of each spike, which does not count."""
+    """What the readings around say in the place of each spike, which does not count."""
     measured = recording.measured
     found = spikes(recording.voltage, measured)
     if not len(found):
         return recording
-    middle = 0.5 * (measured[found - 1] + measured[found + 1])
-    farthest = np.max(np.abs(measured[found] - middle))
+    others = np.delete(np.arange(len(measured)), found)
+    around = np.interp(found, others, measured[others])
+    farthest = np.max(np.abs(measured[found] - around))
     line = (
         f"spikes: {len(found)} single readings stand far off those around them, by up to "
         f"{quantity(float(farthest), 'm')}, the first at sample {found[0]}; they do not count"
     )
     mended = measured.copy()
-    mended[found] = middle
+    mended[found] = around
     return replace(_left_out(recording, found, line), displacement=mended)
 
 

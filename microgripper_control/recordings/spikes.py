@@ -2,25 +2,31 @@
 
 A finger with a mass that goes somewhere and back within two samples was driven there: a reading
 counts as a spike only if, on its scale, the voltage went straight on, and so do the readings before
-and after it. Where there are many of them they are no accident, and are left alone.
+and after it. Of many, some come so close that one is among those around another. Where there are
+more yet they are no accident, and are left alone.
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from microgripper_control.core.signals import Array
 
-FAR = 30.0  # times the usual distance from the middle of the neighbours, and steps of the grid
-ALIKE = 0.2  # of the spike: how near a line the readings around it, and what is asked for, are
+FAR = 12.0  # times the usual distance from the middle of the neighbours, and steps of the grid
+OTHER_MOMENT = 1.5  # samples' travel: less may be a reading of another moment
+ALIKE = 0.25  # of the spike: how near a line the readings around it, and what is asked for, are
 BEFORE, AFTER = 3, 2  # samples around it that are looked at
 AROUND = np.array([*range(-BEFORE, 0), *range(1, AFTER + 1)])
-MIDDLE, SLOPE = np.linalg.pinv(np.column_stack([np.ones(len(AROUND)), AROUND]))  # of a line
+ALL_BUT_ONE = tuple(np.delete(AROUND, i) for i in range(len(AROUND)))
 ENOUGH = 4096  # samples that tell what is usual
 TOO_MANY = 0.1  # of the samples, far off: without noise, what is far tells nothing
-MOST = 1e-3  # of the samples: more are no accident
-SPAN = (1.0, 99.0)  # per cent of the readings, which no spike reaches
+MOST = 0.01  # of the samples: more are no accident
+PAIRED = 0.2  # of the others: so many may have one spike among those around them
+FASTEST = 0.01  # of the samples tell how far the rig goes for a volt,
+ANSWER = 3  # samples later, or less
 
 
 def spikes(voltage: Array, displacement: Array) -> NDArray[np.intp]:
@@ -33,20 +39,44 @@ def spikes(voltage: Array, displacement: Array) -> NDArray[np.intp]:
         return places[:0]
     changes = np.abs(np.diff(displacement))
     step = float(np.min(changes[changes > 0.0]))
-    places = places[off[places - 1] > FAR * step]
-    around = places[:, None] + AROUND
-    spike, bent = _off_a_line(displacement, places, around)
-    pulse, driven = _off_a_line(voltage, places, around)
-    low, high = np.percentile(displacement, SPAN)
-    gain = (high - low) / max(float(np.ptp(voltage)), 1e-300)  # m/V
-    others = np.maximum(bent, gain * np.maximum(pulse, driven))
-    found: NDArray[np.intp] = places[others < ALIKE * spike]
-    return found if len(found) <= max(1.0, MOST * len(displacement)) else found[:0]
+    asked = _Course.of(voltage, places, AROUND)
+    applied = _gain(voltage, displacement) * np.maximum(asked.off, asked.bent)
+
+    def alone(around: NDArray[np.intp]) -> NDArray[np.bool_]:
+        course = _Course.of(displacement, places, around)
+        straight = np.maximum(course.bent, applied) < ALIKE * course.off
+        far = np.maximum(FAR * max(usual, step), OTHER_MOMENT * course.speed)
+        return np.asarray(straight & (course.off > far))
+
+    single = alone(AROUND)
+    paired = np.any([alone(around) for around in ALL_BUT_ONE], axis=0) & ~single
+    few = np.count_nonzero(paired) <= PAIRED * np.count_nonzero(single)
+    places = places[single | paired] if few else places[single]
+    return places if len(places) <= max(1.0, MOST * len(displacement)) else places[:0]
 
 
-def _off_a_line(signal: Array, places: NDArray[np.intp], around: NDArray[np.intp]) -> list[Array]:
-    """How far a signal is off the straight course around some places: there, and around them."""
-    near = signal[around]
-    middle, slope = near @ MIDDLE, near @ SLOPE
-    off = near - middle[:, None] - slope[:, None] * AROUND
-    return [np.abs(signal[places] - middle), np.max(np.abs(off), axis=1)]
+def _gain(voltage: Array, displacement: Array) -> float:
+    """How far readings, m, go for each volt where the voltage moves fastest, which is no spike."""
+    moved = np.abs(voltage[1:-ANSWER] - voltage[: -ANSWER - 1])
+    few = max(1, int(FASTEST * len(moved)))
+    fastest = np.argpartition(moved, -few)[-few:]
+    after = displacement[fastest[:, None] + np.arange(1, ANSWER + 2)]
+    answers = np.max(np.abs(after - displacement[fastest, None]), axis=1)
+    return float(np.median(answers / np.maximum(moved[fastest], 1e-300)))
+
+
+class _Course(NamedTuple):
+    """A line through the samples around some places, shape (places,) each."""
+
+    off: Array  # how far the signal is off it there,
+    bent: Array  # at most around them,
+    speed: Array  # and how far it goes from one sample to the next
+
+    @classmethod
+    def of(cls, signal: Array, places: NDArray[np.intp], around: NDArray[np.intp]) -> _Course:
+        middle, slope = np.linalg.pinv(np.column_stack([np.ones(len(around)), around]))
+        near = signal[places[:, None] + around]
+        level, rise = near @ middle, near @ slope
+        bent = near - level[:, None] - rise[:, None] * around
+        off = np.abs(signal[places] - level)
+        return cls(off, np.max(np.abs(bent), axis=1), np.abs(rise))

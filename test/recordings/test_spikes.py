@@ -51,9 +51,31 @@ def test_what_a_rig_does_is_no_spike(voltage: Array, noise: float, grid: float) 
         assert len(spikes(voltage, x)) == 0
 
 
+def test_a_reading_of_another_moment_is_no_spike() -> None:
+    """A sensor that is late now and then shows where the rig was, which is the rig's own."""
+    fast = 75.0 + 70.0 * np.sin(2.0 * np.pi * 10.0 * TIME)
+    x = measured(fast, noise=1e-9)
+    late = np.arange(100, COUNT, 200)
+    x[late] = x[late - 1]
+    assert np.max(np.abs(np.diff(x, 2))) > 0.5e-6
+    assert len(spikes(fast, x)) == 0
+
+
+def test_spikes_that_come_close_are_found_where_there_are_many() -> None:
+    x = measured(SINES)
+    at = np.sort(np.random.default_rng(9).choice(np.arange(5, COUNT - 5), 30, replace=False))
+    at = np.unique([*at, 3004, 3006])
+    x[at] += np.random.default_rng(10).uniform(0.4e-6, 3e-6, len(at))
+    found = spikes(SINES, x)
+    assert np.all(np.isin(at, found))
+    others = np.setdiff1d(found, at)
+    assert len(others) <= 3
+    assert np.all(np.isin(others, [at - 1, at + 1]))  # a good reading between two may go with them
+
+
 def test_where_there_are_many_they_are_no_accident() -> None:
     x = measured(SINES)
-    x[100::300] += 2e-6
+    x[100::60] += 2e-6
     assert len(spikes(SINES, x)) == 0
 
 
