@@ -164,11 +164,17 @@ class Projection:
 
     @classmethod
     def off(cls, shapes: Array) -> Projection:
-        """The projection off courses of shape (p, n)."""
+        """The projection off courses of shape (p, n), and off nothing that they hardly show.
+
+        Of courses that are nearly one, as of creep that is slower than a recording is long, the
+        rest is rounding: directions of no meaning, others after the smallest change.
+        """
         if len(shapes) == 1:  # most often the zero alone
             return cls(shapes.T / np.linalg.norm(shapes))
-        basis: Array = np.linalg.qr(shapes.T)[0]
-        return cls(basis)
+        basis, triangle = np.linalg.qr(shapes.T)
+        turned, sizes, _ = np.linalg.svd(triangle)
+        seen = sizes > HARDLY_SEEN * np.max(sizes, initial=0.0)
+        return cls(basis if np.all(seen) else basis @ turned[:, seen])
 
     def __call__(self, signal: Array) -> Array:
         """What is left of a signal of shape (n,), or of several, shape (n, p)."""

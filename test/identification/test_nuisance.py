@@ -8,6 +8,7 @@ import pytest
 from microgripper_control.core.recording import Recording
 from microgripper_control.identification.nuisance import (
     Conditions,
+    Projection,
     blocks,
     fit_nuisance,
     heldout_prediction,
@@ -49,6 +50,20 @@ def test_a_frozen_zero_is_left_alone() -> None:
     found = fit_nuisance(model, recording(), Conditions())
     assert found.offset == 0.0
     assert found.initial_hysteresis == pytest.approx(4e-7, rel=1e-6)
+
+
+def test_courses_that_are_nearly_one_take_no_more_than_they_show() -> None:
+    """Creep slower than a recording is long: what its elements differ by is rounding."""
+    time = 2e-3 * np.arange(10_000)
+    noise = np.random.default_rng(4).standard_normal(len(time))
+
+    def left(slower: float) -> np.ndarray:
+        constants = 60.0 * slower * 10.0 ** np.linspace(0.0, 1.0, 8)
+        decays = np.exp(-time / constants[:, None])
+        return Projection.off(np.vstack([np.ones(len(time)), decays]))(noise)
+
+    assert np.linalg.norm(left(1.0) - left(1.0 + 1e-6)) < 1e-5
+    assert np.linalg.norm(noise - left(1.0)) < 6.0  # some three directions: each takes about one
 
 
 def test_the_course_of_a_hum_and_a_drift_belongs_to_the_recording() -> None:
