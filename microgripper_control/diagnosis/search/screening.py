@@ -134,9 +134,9 @@ def judge(problem: Problem, base: Base, effect: str) -> Guess | None:
         float(a @ b) for a, b in ((without, without), (change, change), (change, without))
     )
     left = power - 2.0 * match + size
-    if own:  # courses are as strong as fits best already
-        if link.random and left > (1.0 - NOTHING) * float(base.rest @ base.rest):
-            return None
+    if link.random and left > (1.0 - NOTHING) * float(base.rest @ base.rest):
+        return None
+    if own and size < IDLE * power:  # courses alone are as strong as fits best already
         return Guess(base, model, left, least=left, strength=1.0, idle=False)
     strength = match / size if size > 0.0 else 0.0
     if strength < 0.0 and not _may_turn(model, effect):

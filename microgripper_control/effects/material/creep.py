@@ -30,7 +30,7 @@ from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Val
 ELEMENTS = 8
 MOST = 0.2  # of a step in a decade: what is still called creep
 # First guesses of activated elements: how slow, times the longest, and how activated, per stroke.
-ACTIVATED = ((1.0, 5.0), (100.0, 20.0))
+ACTIVATED = ((1.0, 5.0), (1.0, 20.0), (10.0, 40.0), (100.0, 20.0))
 UNFINISHED = 3.0  # times the creep after a step over the stroke: wider ones may lie before
 
 
