@@ -100,7 +100,7 @@ class RunningGap:
         before = float(np.ptp(remembered))
         shapes = [np.ones((1, len(tick))), *self._courses((tick - tick[0]) * self._period)]
         if before > FORGOTTEN * self._large:
-            shapes.append(remembered[None])
+            shapes.append(remembered[None] / before)
         left = Projection.off(np.concatenate(shapes))(error)
         gap = float(np.sqrt(np.mean(left**2)))
         return Reading(

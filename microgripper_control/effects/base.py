@@ -170,6 +170,16 @@ def nothing_else(values: Values, factor: float) -> Values:
     return {}
 
 
+# likened(other, values, scales): values with which the link does about what another link, of that
+# name, does with its values; none where it cannot.
+Likened = Callable[[str, Values, Scales], Values]
+
+
+def like_no_other(other: str, values: Values, scales: Scales) -> Values:
+    """A link that imitates none, or is found by itself."""
+    return {}
+
+
 # says(values, scales): what a technician sees of the effect, a clause in small letters with numbers
 # in practical units. Of a link whose size belongs to each recording, the size is left out.
 Says = Callable[[Values, Scales], str]
@@ -306,6 +316,7 @@ class Link:
     nonsense: Nonsense = always_sensible
     idle: Idle = none_idle
     rescaled: Rescaled = nothing_else
+    likened: Likened = like_no_other
     behind: Behind = never_behind
     ringing: Ringing = never_ringing
     says: Says | None = None  # the title does without

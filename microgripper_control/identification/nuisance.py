@@ -164,10 +164,11 @@ class Projection:
 
     @classmethod
     def off(cls, shapes: Array) -> Projection:
-        """The projection off courses of shape (p, n), and off nothing that they hardly show.
+        """The projection off courses, shape (p, n), all about 1 where they are seen at all.
 
-        Of courses that are nearly one, as of creep that is slower than a recording is long, the
-        rest is rounding: directions of no meaning, others after the smallest change.
+        What they hardly show is left: of courses that are nearly one, as of creep that is slower
+        than a recording is long, the rest is rounding, directions of no meaning and others after
+        the smallest change.
         """
         if len(shapes) == 1:  # most often the zero alone
             return cls(shapes.T / np.linalg.norm(shapes))

@@ -68,6 +68,13 @@ def test_a_model_that_is_right_holds_whatever_was_before(
         assert readings[-1].ratio == pytest.approx(1.0, abs=0.02)
 
 
+def test_what_the_hysteresis_brought_along_is_mostly_taken_away(paper: Model) -> None:
+    voltage = VOLTAGES["small after large"]
+    readings, _ = compare(RunningGap(paper, PERIOD, 5.0), voltage, measured(paper, voltage, 1e-9))
+    assert readings[0].gap < 120e-9  # of 220 nm
+    assert readings[-1].gap < 30e-9  # of 50 nm
+
+
 def test_without_noise_and_from_rest_nothing_is_left(paper: Model) -> None:
     readings, _ = compare(RunningGap(paper, PERIOD, 5.0), WAVE, measured(paper, WAVE, 0.0), 0)
     assert readings[-1].gap < 1e-13

@@ -26,6 +26,7 @@ from microgripper_control.diagnosis.search.labour import (
     is_long,
     may_join,
 )
+from microgripper_control.diagnosis.search.likening import add_likened
 from microgripper_control.diagnosis.search.pool import Pool, is_read_off, strongest
 from microgripper_control.diagnosis.search.resettling import afresh, again_if_settled
 from microgripper_control.diagnosis.search.rounds import Progress, play, silent
@@ -79,6 +80,7 @@ def alone(
         play(evidence, near, some, len(some), pool, progress, jobs)
     pool = again_if_settled(pool, jobs)
     add_further_parts(pool, jobs)
+    add_likened(pool, names, jobs)
     return pool
 
 
@@ -95,6 +97,8 @@ def together(
         pool = on_the_sensors_clock(pool, jobs, size)
     _begin_anew(pool, progress, jobs)
     add_further_parts(pool, jobs)
+    if len(added(pool.evidence, pool.leader)) > 1:
+        add_likened(pool, fitted, jobs)
     _check_backwards(pool)
     _add_chosen(pool, names)
     return pool

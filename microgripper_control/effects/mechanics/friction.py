@@ -35,6 +35,8 @@ from microgripper_control.effects.slipping_springs import SPRINGS, pull, springs
 
 RINGING = 6.0  # swings of the rig's own from sample to sample, after which none is left to see
 DAMPED = 0.3  # a first guess at the damping, over sqrt(stiffness mass)
+STUCK = 5.0  # times as stiff as the rig: it hardly moves then,
+BIT_BY_BIT = {"decades": 1.0, "taper": 0.5}  # and lets go
 SLIGHT = 0.1  # so far e^-x is taken as (12 - 6 x + x^2) / (12 + 6 x + x^2)
 
 
@@ -132,6 +134,30 @@ def starts(scales: Scales) -> Sequence[Values]:
     return found
 
 
+def likened(other: str, values: Values, scales: Scales) -> Values:
+    """A Bouc-Wen force with n = 1 is Dahl's bristle, springs that slip are the same.
+
+    With n = 2 it stays stiff for longer. What sticks while the actuator goes on looks like play.
+    """
+    if other == "backlash" and values["play"] > 0.0:
+        behind = 0.5 * values["play"] * (1.0 - 0.5 * values["spread"])  # m, when all is taken up
+        stiff = {"stiffness": STUCK * scales.stiffness, "distributed": 1.0}
+        return {"coulomb": behind * scales.stiffness, **stiff, **BIT_BY_BIT}
+    if other != "restoring_force_hysteresis" or values["alpha"] <= 0.0:
+        return {}
+    alpha = values["alpha"]
+    if values["distributed"] == 1.0:
+        limits, shares = springs(values["widest"], values["decades"], values["taper"])
+        spread = {"decades": values["decades"], "taper": values["taper"], "distributed": 1.0}
+        return {"coulomb": alpha * float(limits @ shares), "stiffness": alpha, **spread}
+    forgetting = values["beta"] + values["gamma"]
+    if forgetting <= 0.0:
+        return {}
+    most = (alpha / forgetting) ** (1.0 / values["n"])
+    bend = values["n"] - 1.0
+    return {"coulomb": most, "stiffness": alpha, "bend": bend, "recovery": 1.0, "excess": 0.0}
+
+
 def idle(values: Values) -> Collection[str]:
     """Of the part that is not there; a damping that has not been begun with stays away."""
     without = {0.0: ("decades", "taper"), 1.0: ("bend", "recovery", "excess")}
@@ -205,6 +231,7 @@ LINK = Link(
         RELEASED,
     ),
     starts=starts,
+    likened=likened,
     idle=idle,
     plausible=plausible,
     unusual=unusual,

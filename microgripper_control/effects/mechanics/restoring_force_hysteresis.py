@@ -84,6 +84,19 @@ def starts(scales: Scales) -> Sequence[Values]:
     return [*saturating, *slipping]
 
 
+def likened(other: str, values: Values, scales: Scales) -> Values:
+    """Dahl's bristle is a Bouc-Wen force with n = 1, one that slips bit by bit is the same."""
+    if other != "friction" or values["coulomb"] <= 0.0:
+        return {}
+    stiffness = values["stiffness"]
+    if values["distributed"] == 1.0:
+        limits, shares = springs(1.0, values["decades"], values["taper"])
+        widest = values["coulomb"] / (stiffness * float(limits @ shares))
+        spread = {"decades": values["decades"], "taper": values["taper"], "distributed": 1.0}
+        return {"alpha": stiffness, "widest": widest, **spread}
+    return {"alpha": stiffness, "beta": stiffness / values["coulomb"], "gamma": 0.0}
+
+
 def rescaled(values: Values, factor: float) -> Values:
     """The decays with which a stronger force is forgotten over the same way: they go with z^n."""
     slower = abs(factor) ** (1.0 - values["n"])
@@ -176,6 +189,7 @@ LINK = Link(
         RELEASED,
     ),
     starts=starts,
+    likened=likened,
     idle=idle,
     rescaled=rescaled,
     plausible=plausible,

@@ -1,0 +1,50 @@
+"""What one law has found, told to those that can do the same: they are weighed on equal terms.
+
+Friction and hysteresis of the restoring force imitate each other and are told apart by size and
+shape. The one that is tried later, or creeps towards the other from afar, would else look worse.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator
+
+from microgripper_control.diagnosis.fits.trial import Trial, added, fitted_keys, with_guess
+from microgripper_control.diagnosis.search.finishing import POLISHED, refined
+from microgripper_control.diagnosis.search.labour import is_costly
+from microgripper_control.diagnosis.search.pool import Pool
+from microgripper_control.diagnosis.search.schedule import side_by_side
+from microgripper_control.effects.registry import registry
+
+BEHIND = 1.1  # times what the best leaves: what leaves less has found it by itself
+EVALUATIONS = 20
+
+
+def add_likened(pool: Pool, names: Collection[str], jobs: int) -> None:
+    """Fit what is like an effect of the best explanation in its place, from where that one is.
+
+    `names` are the effects that may be tried.
+    """
+    leader = pool.leader
+    starts = [start for name in sorted(leader.effects) for start in _in_place_of(name, pool, names)]
+    tasks = [(pool.evidence, start, POLISHED, EVALUATIONS) for start in starts]
+    for trial in side_by_side(refined, tasks, jobs):
+        pool.add(trial)
+
+
+def _in_place_of(name: str, pool: Pool, names: Collection[str]) -> Iterator[Trial]:
+    """The best explanation with others for one of its effects, not fitted."""
+    leader = pool.leader
+    effects = added(pool.evidence, leader)
+    for other in sorted(set(names) - effects):
+        values = registry()[other].likened(name, leader.model.values(name), pool.evidence.scales)
+        known = pool.tried.get(effects - {name} | {other})
+        if not values or (known and known.both < BEHIND * leader.both):
+            continue
+        model = with_guess(leader.model.without([name]), other, values)
+        costs_more = is_costly(pool.evidence, model) and not is_costly(pool.evidence, leader.model)
+        if costs_more and not pool.leaves_a_rest(leader):
+            continue
+        kept = tuple(key for key in leader.free if key[0] != name)
+        free = (*kept, *fitted_keys(model, [other]))
+        yield Trial(model, free, leader.initial_hysteresis, math.inf)
