@@ -17,7 +17,7 @@ from microgripper_control.recordings.voltage_noise import voltage_noise
 def cleaned(recording: Recording) -> Recording:
     """The recording without spikes, bursts and a measured voltage's noise; its warnings say so.
 
-    One of the voltage alone is left as it is: the displacement tells what was applied.
+    One of the voltage alone is left as it is: it takes the displacement to tell.
     """
     if recording.displacement is None:
         return recording

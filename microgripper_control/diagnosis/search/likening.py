@@ -25,8 +25,8 @@ def add_likened(pool: Pool, names: Collection[str], jobs: int) -> None:
 
     `names` are the effects that may be tried.
     """
-    leader = pool.leader
-    starts = [start for name in sorted(leader.effects) for start in _in_place_of(name, pool, names)]
+    effects = added(pool.evidence, pool.leader)
+    starts = [start for name in sorted(effects) for start in _in_place_of(name, pool, names)]
     tasks = [(pool.evidence, start, POLISHED, EVALUATIONS) for start in starts]
     for trial in side_by_side(refined, tasks, jobs):
         pool.add(trial)
