@@ -234,3 +234,28 @@ def test_what_joined_on_a_wrong_guess_begins_anew() -> None:
     exploration._begin_anew(pool, lambda *done: None, 1)
     assert pool.closest.rmse < 16e-9
     assert pool.closest.model.value("contact", "position") == pytest.approx(10e-6, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("followed", "unexplained", "beside"),
+    [(0.5, True, ["thermal_drift"]), (0.5, False, []), (0.95, True, [])],
+)
+def test_others_are_tried_beside_a_drift_that_follows_much_of_an_unexplained_gap(
+    monkeypatch: pytest.MonkeyPatch, followed: float, unexplained: bool, beside: list[str]
+) -> None:
+    joined: list[str] = []
+    monkeypatch.setattr(
+        exploration, "_join", lambda leader, *given: joined.append(leader.effects[0])
+    )
+    names = ["creep", "thermal_drift", "mains_hum"]
+    pool: Any = SimpleNamespace(
+        tried={
+            frozenset([name]): SimpleNamespace(effects=(name,), fitted_rmse=followed)
+            for name in names[:2]
+        },
+        refit=SimpleNamespace(fitted_rmse=1.0),
+        leader=None,
+        leaves_more=lambda trial: unexplained,
+    )
+    exploration._join_courses(names, pool, lambda *given: None, 1)
+    assert joined == beside

@@ -43,6 +43,7 @@ UNCLOSED_IF_COSTLY = 0.25  # of the gap: what asks for an effect beside a costly
 UNCLOSED_IF_LONG = 0.4  # or ten where its simulation is long: under that only
 SECONDS_IF_LONG = 2  # are tried, the strongest by themselves
 FAIR_PART = 0.2  # of the gap; two independent effects of one size close 0.3 of it each
+FOLLOWED = 0.9  # of what the refit leaves: a course that leaves more follows nothing much
 MUCH_LESS = 0.7  # of what the best with an effect less leaves: a pair worth taking apart as well
 ALIKE = 0.9  # of what an effect closes alone: what closes as much may be meant in its place,
 EXCHANGED = 2  # so many at most
@@ -120,8 +121,23 @@ def _add_further(names: Sequence[str], pool: Pool, progress: Progress, jobs: int
                 _join(leader, names, pool, progress, jobs)
         if size == 1:  # neither of two effects need be among the best alone
             add_superposed(names, pool, progress, jobs)
+            _join_courses(names, pool, progress, jobs)
         if not _worth_joining(pool, size + 1):
             return
+
+
+def _join_courses(names: Sequence[str], pool: Pool, progress: Progress, jobs: int) -> None:
+    """Try others beside a drift or a hum, as long as more than a right law would leave is left.
+
+    By itself a course follows part of what another effect does, and does harm where it is judged:
+    what the two would leave is not told by either.
+    """
+    for name in names:
+        course = pool.tried.get(frozenset([name]))
+        if course is None or not registry()[name].random or not pool.leaves_more(pool.leader):
+            continue
+        if course.fitted_rmse < FOLLOWED * pool.refit.fitted_rmse:
+            _join(course, names, pool, progress, jobs)
 
 
 def _worth_joining(pool: Pool, size: int) -> bool:
