@@ -19,11 +19,19 @@ from microgripper_control.core.signals import Array
 
 SPRINGS = 16  # N; with half of them the corners of what slips bit by bit show, and trap a fit
 
+SPREAD = ("distributed", "decades", "taper")  # the parameters of laws that have a part of it
+
 
 def springs(widest: float, decades: float, taper: float) -> tuple[Array, Array]:
     """w_i, m, and k_i as shares of the whole stiffness, both of shape (N,)."""
     relative, shares = _spread(decades, taper)
     return widest * relative, shares
+
+
+def all_slipped(decades: float, taper: float) -> float:
+    """The force when all have slipped, over stiffness times widest."""
+    limits, shares = springs(1.0, decades, taper)
+    return float(limits @ shares)
 
 
 @lru_cache(maxsize=64)

@@ -237,11 +237,20 @@ def test_what_joined_on_a_wrong_guess_begins_anew() -> None:
 
 
 @pytest.mark.parametrize(
-    ("followed", "unexplained", "beside"),
-    [(0.5, True, ["thermal_drift"]), (0.5, False, []), (0.95, True, [])],
+    ("followed", "unexplained", "led", "beside"),
+    [
+        (0.5, True, {"creep"}, ["thermal_drift"]),
+        (0.5, True, {"creep", "thermal_drift"}, []),
+        (0.5, False, set(), []),
+        (0.95, True, set(), []),
+    ],
 )
 def test_others_are_tried_beside_a_drift_that_follows_much_of_an_unexplained_gap(
-    monkeypatch: pytest.MonkeyPatch, followed: float, unexplained: bool, beside: list[str]
+    monkeypatch: pytest.MonkeyPatch,
+    followed: float,
+    unexplained: bool,
+    led: set[str],
+    beside: list[str],
 ) -> None:
     joined: list[str] = []
     monkeypatch.setattr(
@@ -257,5 +266,5 @@ def test_others_are_tried_beside_a_drift_that_follows_much_of_an_unexplained_gap
         leader=None,
         leaves_more=lambda trial: unexplained,
     )
-    exploration._join_courses(names, pool, lambda *given: None, 1)
+    exploration._join_courses(names, led, pool, lambda *given: None, 1)
     assert joined == beside

@@ -130,6 +130,12 @@ def trial_at(problem: Problem, z: Array, squares: float) -> Trial:
     )
 
 
+def without(trial: Trial, name: str) -> Trial:
+    """An explanation with one effect taken out; not fitted, nor judged."""
+    free = tuple(key for key in trial.free if key[0] != name)
+    return Trial(trial.model.without([name]), free, trial.initial_hysteresis, math.inf)
+
+
 def unfitted(evidence: Evidence, trial: Trial) -> Trial:
     """The same values on other evidence; not judged yet."""
     problem = problem_of(evidence, trial.model, trial.free)

@@ -6,14 +6,13 @@ kept, and how probable each is follows from all of them together (see `weighing`
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence, Set
 from dataclasses import replace
 
 from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.data.residuals import fitted_residuals
 from microgripper_control.diagnosis.fits.fitting import base_of
-from microgripper_control.diagnosis.fits.trial import Trial, added, unfitted
+from microgripper_control.diagnosis.fits.trial import Trial, added, unfitted, without
 from microgripper_control.diagnosis.search.attempt import behind
 from microgripper_control.diagnosis.search.clocked_lags import on_the_sensors_clock
 from microgripper_control.diagnosis.search.finishing import POLISHED, refined
@@ -116,23 +115,27 @@ def _add_further(names: Sequence[str], pool: Pool, progress: Progress, jobs: int
     """Add a second effect to the best explanations, and a third while that is worth it."""
     shown = set(_shown_by(pool.refit, pool))
     for size in range(1, MOST_EFFECTS):
+        led: set[str] = set()
         for leader in pool.best(size, BEAM):
             if _may_lead(leader, pool, size, shown):
+                led |= added(pool.evidence, leader)
                 _join(leader, names, pool, progress, jobs)
         if size == 1:  # neither of two effects need be among the best alone
             add_superposed(names, pool, progress, jobs)
-            _join_courses(names, pool, progress, jobs)
+            _join_courses(names, led, pool, progress, jobs)
         if not _worth_joining(pool, size + 1):
             return
 
 
-def _join_courses(names: Sequence[str], pool: Pool, progress: Progress, jobs: int) -> None:
+def _join_courses(
+    names: Sequence[str], led: Set[str], pool: Pool, progress: Progress, jobs: int
+) -> None:
     """Try others beside a drift or a hum, as long as more than a right law would leave is left.
 
     By itself a course follows part of what another effect does, and does harm where it is judged:
-    what the two would leave is not told by either.
+    what the two would leave is not told by either. Not beside those that have `led` already.
     """
-    for name in names:
+    for name in (n for n in names if n not in led):
         course = pool.tried.get(frozenset([name]))
         if course is None or not registry()[name].random or not pool.leaves_more(pool.leader):
             continue
@@ -243,7 +246,7 @@ def _begin_anew(pool: Pool, progress: Progress, jobs: int) -> None:
     tasks = [
         (
             evidence,
-            base_of(evidence, unfitted(evidence, _without(best, name))),
+            base_of(evidence, unfitted(evidence, without(best, name))),
             name,
             best.fitted_rmse,
         )
@@ -253,12 +256,6 @@ def _begin_anew(pool: Pool, progress: Progress, jobs: int) -> None:
     for trials in side_by_side(afresh, tasks, jobs):
         for trial in trials:
             pool.add(trial)
-
-
-def _without(trial: Trial, name: str) -> Trial:
-    """An explanation with one effect taken out, not fitted."""
-    free = tuple(key for key in trial.free if key[0] != name)
-    return Trial(trial.model.without([name]), free, trial.initial_hysteresis, math.inf)
 
 
 def _untried_beside(kept: Trial, names: Sequence[str], pool: Pool) -> list[str]:
@@ -300,7 +297,7 @@ def _check_backwards(pool: Pool) -> None:
         return
     for name in sorted(effects):
         known = effects - {name} in pool.tried
-        pool.add(refined(pool.evidence, _without(best, name), POLISHED, 4 if known else 15))
+        pool.add(refined(pool.evidence, without(best, name), POLISHED, 4 if known else 15))
 
 
 def _add_chosen(pool: Pool, names: Sequence[str]) -> None:

@@ -6,10 +6,10 @@ shape. The one that is tried later, or creeps towards the other from afar, would
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Iterator
+from dataclasses import replace
 
-from microgripper_control.diagnosis.fits.trial import Trial, added, fitted_keys, with_guess
+from microgripper_control.diagnosis.fits.trial import Trial, added, fitted_keys, with_guess, without
 from microgripper_control.diagnosis.search.finishing import POLISHED, refined
 from microgripper_control.diagnosis.search.labour import is_costly
 from microgripper_control.diagnosis.search.pool import Pool
@@ -41,10 +41,9 @@ def _in_place_of(name: str, pool: Pool, names: Collection[str]) -> Iterator[Tria
         known = pool.tried.get(effects - {name} | {other})
         if not values or (known and known.both < BEHIND * leader.both):
             continue
-        model = with_guess(leader.model.without([name]), other, values)
+        rest = without(leader, name)
+        model = with_guess(rest.model, other, values)
         costs_more = is_costly(pool.evidence, model) and not is_costly(pool.evidence, leader.model)
         if costs_more and not pool.leaves_a_rest(leader):
             continue
-        kept = tuple(key for key in leader.free if key[0] != name)
-        free = (*kept, *fitted_keys(model, [other]))
-        yield Trial(model, free, leader.initial_hysteresis, math.inf)
+        yield replace(rest, model=model, free=(*rest.free, *fitted_keys(model, [other])))

@@ -31,7 +31,13 @@ from microgripper_control.core.quantities import quantity
 from microgripper_control.core.signals import Array
 from microgripper_control.effects.base import Force, Link, Scales, Stage, Values
 from microgripper_control.effects.memory_of_the_way import RELEASED, released, unusually_long
-from microgripper_control.effects.slipping_springs import SPRINGS, pull, springs
+from microgripper_control.effects.slipping_springs import (
+    SPREAD,
+    SPRINGS,
+    all_slipped,
+    pull,
+    springs,
+)
 
 RINGING = 6.0  # swings of the rig's own from sample to sample, after which none is left to see
 DAMPED = 0.3  # a first guess at the damping, over sqrt(stiffness mass)
@@ -104,8 +110,8 @@ def coefficients(values: Values) -> Sequence[float]:
 
 def widest(values: Values) -> float:
     """The distance, m, at which the last spring slips."""
-    limits, shares = springs(1.0, values["decades"], values["taper"])
-    return values["coulomb"] / (values["stiffness"] * float(limits @ shares))
+    slipped = all_slipped(values["decades"], values["taper"])
+    return values["coulomb"] / (values["stiffness"] * slipped)
 
 
 def stiffness(values: Values) -> float:
@@ -147,9 +153,8 @@ def likened(other: str, values: Values, scales: Scales) -> Values:
         return {}
     alpha = values["alpha"]
     if values["distributed"] == 1.0:
-        limits, shares = springs(values["widest"], values["decades"], values["taper"])
-        spread = {"decades": values["decades"], "taper": values["taper"], "distributed": 1.0}
-        return {"coulomb": alpha * float(limits @ shares), "stiffness": alpha, **spread}
+        coulomb = alpha * values["widest"] * all_slipped(values["decades"], values["taper"])
+        return {"coulomb": coulomb, "stiffness": alpha, **{name: values[name] for name in SPREAD}}
     forgetting = values["beta"] + values["gamma"]
     if forgetting <= 0.0:
         return {}

@@ -21,7 +21,13 @@ from microgripper_control.core.signals import Array
 from microgripper_control.effects.base import Force, Link, Scales, Stage, Values
 from microgripper_control.effects.material.bouc_wen import advance
 from microgripper_control.effects.memory_of_the_way import RELEASED, released, unusually_short
-from microgripper_control.effects.slipping_springs import SPRINGS, pull, springs
+from microgripper_control.effects.slipping_springs import (
+    SPREAD,
+    SPRINGS,
+    all_slipped,
+    pull,
+    springs,
+)
 
 ELASTIC = 8.0  # |gamma| over beta: beyond it hardly anything is lost in a loop
 FORGOTTEN = 3.0  # lengths over which 1 / e is left: after them a turn is forgotten
@@ -90,10 +96,9 @@ def likened(other: str, values: Values, scales: Scales) -> Values:
         return {}
     stiffness = values["stiffness"]
     if values["distributed"] == 1.0:
-        limits, shares = springs(1.0, values["decades"], values["taper"])
-        widest = values["coulomb"] / (stiffness * float(limits @ shares))
-        spread = {"decades": values["decades"], "taper": values["taper"], "distributed": 1.0}
-        return {"alpha": stiffness, "widest": widest, **spread}
+        slipped = stiffness * all_slipped(values["decades"], values["taper"])
+        spread = {name: values[name] for name in SPREAD}
+        return {"alpha": stiffness, "widest": values["coulomb"] / slipped, **spread}
     return {"alpha": stiffness, "beta": stiffness / values["coulomb"], "gamma": 0.0}
 
 
