@@ -53,6 +53,7 @@ FAST = 0.5  # rad a sample: slower ringing is drawn by the samples, and a fit fi
 
 def prepare(values: Values, timing: Timing, levels: Array, loads: Sequence[Load]) -> Prepared:
     """As `second_order.prepare`. At rest the mass has come slowly, as h has it."""
+    loads = sorted(loads, key=lambda load: load[0].brakes)  # those that brake come last
     laws = _laws(loads)
     omega = natural_frequency(values, loads)
     substeps = []
@@ -73,8 +74,9 @@ def prepare(values: Values, timing: Timing, levels: Array, loads: Sequence[Load]
 
 def _laws(loads: Sequence[Load]) -> list[Array]:
     """The rows of the laws, and the one before them."""
+    gentle = [force.states for force, _ in loads if not force.brakes]
     carried = sum(force.states for force, _ in loads)
-    laws = [_row([len(loads), carried, float(any(force.brakes for force, _ in loads))])]
+    laws = [_row([len(loads), carried, len(gentle), sum(gentle)])]
     for force, given in loads:
         address = address_of(force.law, arrays=3, numbers=4)
         laws.append(_row([address, force.states, *force.coefficients(given)]))

@@ -36,9 +36,9 @@ def damper(
     return float(-c[0] * v)
 
 
-def load(law: Callable[..., float], size: float, states: int = 0) -> Load:
+def load(law: Callable[..., float], size: float, states: int = 0, brakes: bool = False) -> Load:
     stiffness = 0.0 if law is damper else size
-    return Force(law, lambda values: [size], lambda values: stiffness, states), {}
+    return Force(law, lambda values: [size], lambda values: stiffness, states, brakes=brakes), {}
 
 
 def grid(steps: tuple[float, ...], ramped: bool) -> Timing:
@@ -91,6 +91,24 @@ def test_a_damper_is_more_damping(slow: Model, wandering: Array, ramped: bool) -
     found = under(values, [load(damper, 3.0 * values["b"])], wandering, grid((1e-3,), ramped))
     effect = np.max(np.abs(expected - alone(values, wandering, grid((1e-3,), ramped))))
     assert np.max(np.abs(found - expected)) < 5e-3 * effect
+
+
+@pytest.mark.parametrize("ramped", [False, True])
+@pytest.mark.parametrize("times", [0.3, 3.0, 30.0])
+@pytest.mark.parametrize("brakes_first", [False, True])
+def test_a_spring_beside_what_brakes_is_both(
+    slow: Model, wandering: Array, brakes_first: bool, times: float, ramped: bool
+) -> None:
+    values = slow.values("second_order")
+    size, brake = 0.5 * values["k"], times * values["b"]
+    both = {**values, "k_s": values["k_s"] + size, "b": values["b"] + brake}
+    loads = [load(spring_by_path, size, 1), load(damper, brake, brakes=True)]
+    loads = loads[::-1] if brakes_first else loads
+    for steps in ((1e-3,), (0.3e-3, 0.7e-3), (2e-5,)):
+        expected = alone(both, wandering, grid(steps, ramped))
+        found = under(values, loads, wandering, grid(steps, ramped))
+        effect = np.max(np.abs(expected - alone(values, wandering, grid(steps, ramped))))
+        assert np.max(np.abs(found - expected)) < 5e-3 * effect
 
 
 def test_forces_add_up_each_with_its_own_state(slow: Model, wandering: Array) -> None:
