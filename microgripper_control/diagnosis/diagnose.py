@@ -25,6 +25,7 @@ from microgripper_control.diagnosis.findings import (
     NextExperiment,
     Signature,
 )
+from microgripper_control.diagnosis.fits.courses import sizes
 from microgripper_control.diagnosis.fits.fitting import FINE
 from microgripper_control.diagnosis.fits.hold_check import hold_warnings
 from microgripper_control.diagnosis.fits.identified_model import identified
@@ -137,6 +138,7 @@ def _diagnosed(
         where,
         pool.evidence.scales,
         groups,
+        sizes(pool.evidence, given.best),
     )
     return Diagnosis(
         verdict=given.verdict,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 
 from microgripper_control.core.quantities import number, percent, quantity
 from microgripper_control.diagnosis.answers.places import as_sentence, clause
@@ -36,11 +37,13 @@ def sentence(
     where: Sequence[Range],
     scales: Scales,
     ambiguous: Sequence[Sequence[str]] = (),
+    sizes: Mapping[str, float] = MappingProxyType({}),
 ) -> str:
     """The verdict, the numbers behind it and how far the error shrinks, in a few plain sentences.
 
     `nominal` is the model as given, `model` the one that the verdict stands for. `ambiguous` are
-    groups of effects that could stand for each other.
+    groups of effects that could stand for each other, `sizes` those of the effects of which each
+    recording has a course of its own, m rms.
     """
     floor = f"noise floor {quantity(gap.noise_floor, 'm')}"
     if verdict == NONE:
@@ -54,7 +57,7 @@ def sentence(
     if verdict == EFFECTS:
         groups = [_group(name, ambiguous) for name in effects]
         known = {candidate.effect: candidate for candidate in candidates}
-        clauses = [_clause(group, gap, model, known, scales) for group in groups]
+        clauses = [_clause(group, model, known, sizes, scales) for group in groups]
         return " ".join(
             [as_sentence(clauses[0]), *map(_further, clauses[1:]), _shrunk(groups, gap)]
         )
@@ -84,9 +87,9 @@ def _group(name: str, ambiguous: Sequence[Sequence[str]]) -> tuple[str, ...]:
 
 def _clause(
     group: Sequence[str],
-    gap: Gap,
     model: Model,
     known: Mapping[str, Candidate],
+    sizes: Mapping[str, float],
     scales: Scales,
 ) -> str:
     """What one effect does, or what each of several would that could stand for it."""
@@ -94,27 +97,23 @@ def _clause(
     for name in group:
         settings = known[name].parameters if name in known else {}
         settings = model.settings.get(name, settings)
-        said.append(_with_size(name, settings, gap, known.get(name), scales))
+        said.append(_with_size(name, settings, sizes, scales))
     if len(said) == 1:
         return said[0]
     return f"either {', or '.join(said)}; these recordings do not tell which"
 
 
 def _with_size(
-    name: str,
-    settings: Mapping[str, Setting],
-    gap: Gap,
-    candidate: Candidate | None,
-    scales: Scales,
+    name: str, settings: Mapping[str, Setting], sizes: Mapping[str, float], scales: Scales
 ) -> str:
-    """An effect's clause; what each recording has for itself is as large as what it took away."""
+    """An effect's clause."""
     link = registry()[name]
     if not settings:
         return f"the rig shows {link.title}"
     clause = described(name, {key: setting.value for key, setting in settings.items()}, scales)
     clause += _vague(name, settings)
-    if link.random and candidate and candidate.rmse is not None:
-        clause += f" ({quantity(removable(gap.refit, candidate.rmse), 'm')} rms)"
+    if name in sizes:
+        clause += f" ({quantity(sizes[name], 'm')} rms)"
     return clause
 
 

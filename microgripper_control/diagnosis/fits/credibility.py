@@ -7,22 +7,17 @@ one began would pass for any drift.
 from __future__ import annotations
 
 from microgripper_control.diagnosis.data.evidence import Evidence
+from microgripper_control.diagnosis.fits.courses import courses
 from microgripper_control.diagnosis.fits.trial import Trial
 from microgripper_control.effects.base import always_credible
 from microgripper_control.effects.registry import registry
-from microgripper_control.identification.nuisance import fit_nuisance, own_courses
 
 
 def incredible(evidence: Evidence, trial: Trial) -> str:
     """An effect of a trial whose own courses are larger than its law allows; empty if none is."""
-    model = trial.model
     if all(registry()[name].credible is always_credible for name in trial.effects):
         return ""
-    conditions = evidence.conditions
-    for recording, used in zip(evidence.fitted, evidence.used, strict=True):
-        nuisance = fit_nuisance(model, recording, conditions, used)
-        for name, (weights, shapes) in own_courses(model, recording, nuisance).items():
-            course = (weights @ shapes)[conditions.answered(recording) & used]
-            if not registry()[name].credible(model.values(name), course, evidence.scales):
-                return name
+    for name, course in courses(evidence, trial):
+        if not registry()[name].credible(trial.model.values(name), course, evidence.scales):
+            return name
     return ""
