@@ -136,6 +136,26 @@ def test_a_pair_that_stays_alike_does_not_hide_one_that_can_be_told() -> None:
     assert "It will hardly tell" in found.why
 
 
+def test_pairs_that_no_voltage_separates_are_admitted_at_once() -> None:
+    slight = AMPLIFIER.with_values({("amplifier_lag", "lag"): 1e-6})
+    late = LATE.with_values({("transport_delay", "delay"): 1e-6})
+    found = proposed([slight, late, PAPER])
+    assert found.why.startswith(
+        "No voltage within reach tells amplifier lag from transport delay or amplifier lag from a "
+        "mere refit or transport delay from a mere refit ("
+    )
+    assert "times the noise between them at most); sampling faster would tell." in found.why
+
+
+def test_at_rest_nothing_is_asked_of_the_controller() -> None:
+    drifting = PAPER.with_link("thermal_drift")
+    slow = recorded(own=lambda t: 1e-7 * np.sin(2.0 * np.pi * 0.02 * t))
+    found = proposed([drifting, PAPER], slow)
+    assert np.ptp(found.voltage) == 0.0
+    assert "at rest" in found.why
+    assert "voltage_rate" not in found.why
+
+
 def test_a_hum_is_known_by_not_answering() -> None:
     humming = recorded(own=lambda t: 1e-7 * np.sin(2.0 * np.pi * 50.0 * t))
     resonance = PAPER.with_link("extra_resonance", frequency=50.0, share=0.05)

@@ -118,33 +118,49 @@ def _why(
     noise: float,
 ) -> str:
     """What to record and what would be seen, or that nothing would be."""
-    sentences = []
-    if told:
-        least = min(told, key=lambda pair: table[pair].rms)
-        apart, (first, second) = table[least], least
-        wrong = second if apart.true == first else first
-        both = f"{_name(rivals[first])} and {_name(rivals[second])} come apart least: "
-        sentences.append(
-            f"record {excitation.description}: {both if len(told) > 1 else ''}if it is "
-            f"{_name(rivals[apart.true])}, the displacement will differ from all that "
-            f"{_name(rivals[wrong])} can give by {quantity(apart.rms, 'm')} rms, "
-            f"{number(apart.rms / noise)} times the noise, and by {quantity(apart.largest, 'm')} "
-            f"at {quantity(apart.time, 's', 3)}."
-        )
-        sentences.append(
-            f"its voltage changes by up to {quantity(excitation.fastest, 'V')} from one sample to "
-            "the next, which the controller's voltage_rate has to allow."
-        )
+    sentences = _seen(excitation, table, told, rivals, noise) if told else []
+    unseen: dict[str, list[Pair]] = {}
     for pair in (pair for pair in table if pair not in told):
-        one, other = (rivals[index] for index in pair)
-        times = number(table[pair].rms / noise, 1)
+        unseen.setdefault(_remedy(*(rivals[index] for index in pair)), []).append(pair)
+    for remedy, pairs in unseen.items():
+        names = " or ".join(f"{_name(rivals[a])} from {_name(rivals[b])}" for a, b in pairs)
+        times = number(max(table[pair].rms for pair in pairs) / noise, 1)
+        apart = f"{times} times the noise between them{' at most' if len(pairs) > 1 else ''}"
         if told:
-            apart_by = f"it will hardly tell {_name(one)} from {_name(other)} ({times} times"
+            sentences.append(f"it will hardly tell {names} ({apart}); {remedy}.")
         else:
-            apart_by = f"no voltage within reach tells {_name(one)} from {_name(other)} "
-            apart_by += f"({excitation.description}: {times} times"
-        sentences.append(f"{apart_by} the noise between them); {_remedy(one, other)}.")
+            by = excitation.description
+            sentences.append(f"no voltage within reach tells {names} ({by}: {apart}); {remedy}.")
     return " ".join(sentence[0].upper() + sentence[1:] for sentence in sentences)
+
+
+def _seen(
+    excitation: Excitation,
+    table: Table,
+    told: Sequence[Pair],
+    rivals: Sequence[Rival],
+    noise: float,
+) -> list[str]:
+    """What to record, what tells the closest of some pairs apart, and what it asks for."""
+    least = min(told, key=lambda pair: table[pair].rms)
+    apart, (first, second) = table[least], least
+    wrong = second if apart.true == first else first
+    both = f"{_name(rivals[first])} and {_name(rivals[second])} come apart least: "
+    seen = (
+        f"record {excitation.description}: {both if len(told) > 1 else ''}if it is "
+        f"{_name(rivals[apart.true])}, the displacement will differ from all that "
+        f"{_name(rivals[wrong])} can give by {quantity(apart.rms, 'm')} rms, "
+        f"{number(apart.rms / noise)} times the noise, and by {quantity(apart.largest, 'm')} "
+        f"at {quantity(apart.time, 's', 3)}."
+    )
+    if excitation.fastest == 0.0:
+        return [seen]
+    step = quantity(excitation.fastest, "V")
+    return [
+        seen,
+        f"its voltage changes by up to {step} from one sample to the next, which the controller's "
+        "voltage_rate has to allow.",
+    ]
 
 
 def _name(rival: Rival) -> str:

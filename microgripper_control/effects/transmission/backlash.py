@@ -33,7 +33,7 @@ SHORTEST = 1e-12  # of a step: T that counts as none
 SLOWEST = 0.3  # s, T at a play as wide as the stroke
 # First guesses: how slowly the finger follows, as a share of that, and over what spread.
 FOLLOWING = ((0.001, 0.0), (0.001, 0.5), (0.03, 0.0), (0.1, 0.0), (0.3, 0.0), (1.0, 0.0))
-BARELY = 0.1  # a smaller spread is not spoken of
+BARELY = 0.1  # a smaller spread is not spoken of, nor how much is left of the whole
 SHOWN = 0.05  # of a sample period: a shorter T is not spoken of
 
 
@@ -142,7 +142,9 @@ def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:
 
 def says(values: Values, scales: Scales) -> str:
     text = f"there is play between actuator and finger: {quantity(values['play'], 'm')}"
-    if values["spread"] > BARELY:
+    if values["spread"] > 1.0 - BARELY:
+        text += ", taken up bit by bit"
+    elif values["spread"] > BARELY:
         text += f", taken up over {percent(values['spread'])} of it"
     lag = values["slowness"] * values["play"]
     if lag < SHOWN * scales.sample_period:

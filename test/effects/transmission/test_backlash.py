@@ -205,6 +205,8 @@ def test_it_says_what_it_found() -> None:
     slow = {"play": 2e-7, "spread": 0.6, "slowness": 1e4}
     assert "200 nm, taken up over 60 % of it" in says(slow, scales)
     assert says(slow, scales).endswith("a time constant of 2.0 ms")
+    worn = {"play": 2e-7, "spread": 1.0, "slowness": 0.0}
+    assert says(worn, scales).endswith("200 nm, taken up bit by bit")
 
 
 @pytest.mark.parametrize("slowness", [0.0, 2e3])
