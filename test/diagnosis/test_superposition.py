@@ -14,7 +14,7 @@ from microgripper_control.diagnosis.fits.trial import with_guess
 from microgripper_control.diagnosis.search import superposition
 from microgripper_control.diagnosis.search.finishing import POLISHED, refined
 from microgripper_control.diagnosis.search.pool import Pool
-from microgripper_control.diagnosis.search.superposition import add_superposed, superposed
+from microgripper_control.diagnosis.search.superposition import add_superposed, alike, superposed
 from microgripper_control.effects.registry import registry
 from microgripper_control.plant.model import Model, nominal_model
 
@@ -66,3 +66,13 @@ def test_where_one_effect_leaves_noise_no_two_are_tried() -> None:
     pool = tried_alone(nominal_model().with_link("creep", **TRUE["creep"]))
     add_superposed(ALONE, pool, jobs=1)
     assert {len(effects) for effects in pool.tried} == {1}
+
+
+def test_what_may_be_meant_in_the_place_of_another_takes_away_the_same() -> None:
+    """A sensor that lags takes the place of an amplifier; creep does not, however much it takes."""
+    pool = tried_alone(nominal_model().with_link("amplifier_lag", lag=2e-3))
+    base = base_of(pool.evidence, pool.refit)
+    lagging = with_guess(pool.refit.model, "sensor_lag", {"time_constant": 2e-3})
+    pool.add(refined(pool.evidence, begun(base, lagging, ["sensor_lag"]), POLISHED, 9))
+    assert alike("amplifier_lag", ["backlash", "sensor_lag", "creep"], pool)[0] == "sensor_lag"
+    assert alike("creep", ["amplifier_lag"], pool) == []

@@ -30,7 +30,7 @@ from microgripper_control.diagnosis.search.pool import Pool, is_read_off, strong
 from microgripper_control.diagnosis.search.resettling import afresh, again_if_settled
 from microgripper_control.diagnosis.search.rounds import Progress, play, silent
 from microgripper_control.diagnosis.search.schedule import side_by_side
-from microgripper_control.diagnosis.search.superposition import add_superposed
+from microgripper_control.diagnosis.search.superposition import add_superposed, alike
 from microgripper_control.diagnosis.signs.signatures import signatures
 from microgripper_control.effects.registry import registry
 
@@ -44,8 +44,7 @@ SECONDS_IF_LONG = 2  # are tried, the strongest by themselves
 FAIR_PART = 0.2  # of the gap; two independent effects of one size close 0.3 of it each
 FOLLOWED = 0.9  # of what the refit leaves: a course that leaves more follows nothing much
 MUCH_LESS = 0.7  # of what the best with an effect less leaves: a pair worth taking apart as well
-ALIKE = 0.9  # of what an effect closes alone: what closes as much may be meant in its place,
-EXCHANGED = 2  # so many at most
+EXCHANGED = 2  # effects that may be meant in the place of another, at most
 RIVAL = 0.7  # of what the best closes: what the second must close to be a leader as well,
 RIVAL_IF_COSTLY = 0.9  # and what it must with a force that remembers the way,
 RIVAL_IF_SHOWN = 0.5  # or if what the refit leaves shows a sign of it
@@ -205,7 +204,7 @@ def _join(leader: Trial, names: Sequence[str], pool: Pool, progress: Progress, j
 
 
 def _exchange(names: Sequence[str], pool: Pool, progress: Progress, jobs: int) -> None:
-    """Try in the place of each of the best two effects what explained about as much alone.
+    """Try in the place of each of the best two effects what explained about the same alone.
 
     Which of them led was chosen without the other, whose part of the gap misled both. Where the two
     leave more than noise, what promises most beside either is tried, alike or not, unless the one
@@ -226,7 +225,7 @@ def _exchange(names: Sequence[str], pool: Pool, progress: Progress, jobs: int) -
         if not (registry()[name].of_the_way or is_costly(pool.evidence, replaced.model)):
             others = _without_costly(others, pool)
         if not wanting or is_costly(pool.evidence, kept.model):
-            others = _alike(replaced, others, pool)
+            others = alike(name, others, pool)[:EXCHANGED]
         if others:
             base = base_of(pool.evidence, kept)
             play(pool.evidence, [base], others, EXCHANGED, pool, progress, jobs)
@@ -274,13 +273,6 @@ def _without_costly(names: Sequence[str], pool: Pool) -> list[str]:
     """Those effects of `names` that are not costly by themselves."""
     alone = [(name, pool.tried[frozenset([name])]) for name in names]
     return [name for name, trial in alone if not is_costly(pool.evidence, trial.model)]
-
-
-def _alike(replaced: Trial, names: Sequence[str], pool: Pool) -> list[str]:
-    """The first of `names` that close alone about what `replaced` does."""
-    least = ALIKE * pool.closed(replaced)
-    alike = [name for name in names if pool.closed(pool.tried[frozenset([name])]) >= least]
-    return alike[:EXCHANGED]
 
 
 def _shown_by(leader: Trial, pool: Pool) -> list[str]:

@@ -25,8 +25,10 @@ from microgripper_control.identification.nuisance import Projection
 
 Pair = frozenset[str]
 
+TINY = 1e-30  # m: what takes nothing away is like nothing
 TRIED = 6  # pairs at most, the most promising,
 AS_GOOD = 1.1  # times what the best of all would leave: those that would leave more are none
+ALIKE = 0.8  # cosine of what two effects take away: one may be meant in the other's place
 
 
 def add_superposed(
@@ -64,6 +66,19 @@ def superposed(names: Sequence[str], pool: Pool) -> dict[Pair, float]:
     taken = {name: _taken(pool.evidence, base, trial) for name, trial in alone.items()}
     left = {Pair(pair): _left(base, taken, pair) for pair in combinations(taken, 2)}
     return dict(sorted(left.items(), key=lambda one: one[1]))
+
+
+def alike(name: str, others: Sequence[str], pool: Pool) -> list[str]:
+    """The effects that alone take away nearly the same as one does, what is most alike first."""
+    base = base_of(pool.evidence, pool.refit)
+
+    def direction(effect: str) -> Array:
+        taken = _taken(pool.evidence, base, pool.tried[Pair([effect])])
+        return taken / max(float(np.linalg.norm(taken)), TINY)
+
+    own = direction(name)
+    cosines = {other: float(own @ direction(other)) for other in others}
+    return sorted((o for o in others if cosines[o] >= ALIKE), key=lambda other: -cosines[other])
 
 
 def _taken(evidence: Evidence, base: Base, trial: Trial) -> Array:
