@@ -156,6 +156,15 @@ def test_at_rest_nothing_is_asked_of_the_controller() -> None:
     assert "voltage_rate" not in found.why
 
 
+def test_a_drift_that_all_have_tells_none_of_them() -> None:
+    """Its course, over another time, is no spline of theirs, whichever of them is right."""
+    drifting = PAPER.with_link("thermal_drift")
+    slow = recorded(own=lambda t: 1e-6 * np.sin(2.0 * np.pi * 0.1 * t))
+    found = proposed([drifting.with_link("amplifier_lag", lag=1e-6), drifting], slow)
+    assert found.why.startswith("No voltage within reach tells amplifier lag from a mere refit")
+    assert "less than 0.01 times the noise between them" in found.why
+
+
 def test_a_hum_is_known_by_not_answering() -> None:
     humming = recorded(own=lambda t: 1e-7 * np.sin(2.0 * np.pi * 50.0 * t))
     resonance = PAPER.with_link("extra_resonance", frequency=50.0, share=0.05)

@@ -22,7 +22,8 @@ MOST_SAMPLES = 40_000
 SMOOTH_EDGE = 20  # samples, where the voltage runs smoothly between them
 MOST_STROKE = 1.2  # of the recorded one: an experiment must not shake the rig apart
 FEWEST_SAMPLES = 100
-VISIBLE = 0.3  # of the noise: less is not seen for sure
+VISIBLE = 0.3  # of the noise: less is not seen for sure,
+BARELY = 0.01  # and of less nobody need know how much it is
 FINEST = 1e-6  # of the stroke: what counts as noise where there is none
 
 Pair = tuple[int, int]
@@ -124,7 +125,8 @@ def _why(
         unseen.setdefault(_remedy(*(rivals[index] for index in pair)), []).append(pair)
     for remedy, pairs in unseen.items():
         names = " or ".join(f"{_name(rivals[a])} from {_name(rivals[b])}" for a, b in pairs)
-        times = number(max(table[pair].rms for pair in pairs) / noise, 1)
+        largest = max(table[pair].rms for pair in pairs) / noise
+        times = number(largest, 1) if largest > BARELY else f"less than {BARELY:g}"
         apart = f"{times} times the noise between them{' at most' if len(pairs) > 1 else ''}"
         if told:
             sentences.append(f"it will hardly tell {names} ({apart}); {remedy}.")

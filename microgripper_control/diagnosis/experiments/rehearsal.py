@@ -71,22 +71,25 @@ def rivals_of(
 ) -> tuple[Rival, ...]:
     """The rivals among fitted models of a recorded rig."""
     shared = set(models[0].effects).intersection(*(model.effects for model in models))
-    return tuple(
-        Rival(
-            model,
-            tuple(name for name in model.effects if name not in shared),
-            _course(model, recording, conditions),
-        )
-        for model in models
-    )
+    rivals = []
+    for model in models:
+        effects = tuple(name for name in model.effects if name not in shared)
+        rivals.append(Rival(model, effects, _course(model, effects, recording, conditions)))
+    return tuple(rivals)
 
 
-def _course(model: Model, recording: Recording, conditions: Conditions) -> Array:
-    """What links that predictions leave out did on the recording, m, shape (n,)."""
-    if not any(registry()[name].random for name in model.effects):
+def _course(
+    model: Model, effects: Sequence[str], recording: Recording, conditions: Conditions
+) -> Array:
+    """What those of some effects that predictions leave out did on the recording, m, shape (n,).
+
+    A drift that all rivals have tells none of them: it would be theirs in any recording.
+    """
+    own = [name for name in effects if registry()[name].random]
+    if not own:
         return np.zeros(len(recording))
     found = own_courses(model, recording, fit_nuisance(model, recording, conditions))
-    parts = [weights @ rows for name, (weights, rows) in found.items() if registry()[name].random]
+    parts = [weights @ rows for name, (weights, rows) in found.items() if name in own]
     return np.asarray(sum(parts, np.zeros(len(recording))))
 
 
