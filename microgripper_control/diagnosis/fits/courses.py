@@ -13,7 +13,7 @@ from microgripper_control.effects.registry import registry
 from microgripper_control.identification.nuisance import fit_nuisance, own_courses
 
 
-def courses(evidence: Evidence, trial: Trial) -> Iterator[tuple[str, Array]]:
+def fitted_courses(evidence: Evidence, trial: Trial) -> Iterator[tuple[str, Array]]:
     """The effects of a trial that have a course in a fitted recording, and it, where used, m."""
     model, conditions = trial.model, evidence.conditions
     for recording, used in zip(evidence.fitted, evidence.used, strict=True):
@@ -26,7 +26,7 @@ def sizes(evidence: Evidence, trial: Trial) -> dict[str, float]:
     """How large the random effects of a trial are in the fitted recordings, m rms about a mean."""
     found: dict[str, list[Array]] = {}
     if any(registry()[name].random for name in trial.effects):
-        for name, course in courses(evidence, trial):
+        for name, course in fitted_courses(evidence, trial):
             if registry()[name].random:
                 found.setdefault(name, []).append(course - np.mean(course))
     return {name: rms(each) for name, each in found.items()}

@@ -62,23 +62,23 @@ def superposed(names: Sequence[str], pool: Pool) -> dict[Pair, float]:
     The pair that would leave the least comes first.
     """
     base = base_of(pool.evidence, pool.refit)
-    alone = {name: pool.tried[Pair([name])] for name in names if Pair([name]) in pool.tried}
-    taken = {name: _taken(pool.evidence, base, trial) for name, trial in alone.items()}
+    taken = _all_taken(names, base, pool)
     left = {Pair(pair): _left(base, taken, pair) for pair in combinations(taken, 2)}
     return dict(sorted(left.items(), key=lambda one: one[1]))
 
 
 def alike(name: str, others: Sequence[str], pool: Pool) -> list[str]:
     """The effects that alone take away nearly the same as one does, what is most alike first."""
-    base = base_of(pool.evidence, pool.refit)
-
-    def direction(effect: str) -> Array:
-        taken = _taken(pool.evidence, base, pool.tried[Pair([effect])])
-        return taken / max(float(np.linalg.norm(taken)), TINY)
-
-    own = direction(name)
-    cosines = {other: float(own @ direction(other)) for other in others}
+    taken = _all_taken([name, *others], base_of(pool.evidence, pool.refit), pool)
+    ways = {effect: way / max(float(np.linalg.norm(way)), TINY) for effect, way in taken.items()}
+    cosines = {other: float(ways[name] @ ways[other]) for other in others}
     return sorted((o for o in others if cosines[o] >= ALIKE), key=lambda other: -cosines[other])
+
+
+def _all_taken(names: Sequence[str], base: Base, pool: Pool) -> dict[str, Array]:
+    """What each effect that was tried alone takes away, m, shape (samples,)."""
+    alone = {name: pool.tried[Pair([name])] for name in names if Pair([name]) in pool.tried}
+    return {name: _taken(pool.evidence, base, trial) for name, trial in alone.items()}
 
 
 def _taken(evidence: Evidence, base: Base, trial: Trial) -> Array:
