@@ -49,7 +49,7 @@ def nominal_values() -> dict[str, float]:
 
 
 def mechanics_step() -> Array:
-    """The exact map of the nominal mechanics over a sample period of held voltage, shape (8,)."""
+    """The nominal mechanics' difference equation at a held voltage, exact, shape (5,)."""
     timing = Timing.divide(SAMPLE_PERIOD, {0.0}, set(), ramped=False)
     values = nominal_model().values("second_order")
     row: Array = second_order.prepare(values, timing, np.zeros(LEVELS)).coefficients[0]

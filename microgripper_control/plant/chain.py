@@ -211,7 +211,7 @@ def _run_and_see(links: list[tuple[Kernel, Array, Array]], bus: Array, look: int
 def _limit(first: Array, second: Array, third: Array) -> Array:
     """Where sequences that approach geometrically end (Aitken 1926); the others' last values."""
     step = third - second
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         ratio = step / (second - first)
         limit = third + step * ratio / (1.0 - ratio)
     return np.where((ratio > 0.0) & (ratio < 1.0), limit, third)

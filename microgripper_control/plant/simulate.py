@@ -30,7 +30,7 @@ from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model
 
 LONG_REST = 256  # sample periods: a shorter one is simulated as any other
-BLOCK = 32768  # internal steps on the bus at a time: memory stays bounded, whatever the length
+BLOCK = 16384  # internal steps on the bus at a time: it stays in the cache, whatever the length
 
 # drive(bus, begin): fill in the voltage of a block that begins at the sample `begin`.
 Drive = Callable[[Array, int], None]

@@ -1,7 +1,8 @@
 /* The nominal chain by hand: the arithmetic of bouc_wen.py (n = 1) and second_order.py, in one loop.
  *
  * voltage[n], V, held from sample to sample; displacement[n], m, from rest. p holds d, alpha d,
- * beta, gamma; step the exact map of the mechanics over a sample period, as second_order.py has it.
+ * beta, gamma; step the mechanics' difference equation for a sample period, as second_order.py
+ * has it.
  */
 #include <math.h>
 #include <stddef.h>
@@ -37,15 +38,16 @@ static inline double advance(double h, double du, double a, double beta, double 
 void chain(const double *p, const double *step, const double *voltage, double *displacement,
            size_t n)
 {
-    double u = 0.0, h = 0.0, x = 0.0, v = 0.0, w = 0.0;
+    double u = 0.0, h = 0.0, x = 0.0, x_before = 0.0, w = 0.0, w_before = 0.0;
     for (size_t k = 0; k < n; k++) {
         displacement[k] = x;
         h = advance(h, voltage[k] - u, p[1], p[2], p[3]);
         u = voltage[k];
         double next = p[0] * u - h;
-        double moved = step[0] * x + step[1] * v + step[4] * w + step[6] * next;
-        v = step[2] * x + step[3] * v + step[5] * w + step[7] * next;
-        x = moved;
+        double rest = step[1] * x_before + (step[2] * next + (step[3] * w + step[4] * w_before));
+        x_before = x;
+        x = step[0] * x + rest;
+        w_before = w;
         w = next;
     }
 }

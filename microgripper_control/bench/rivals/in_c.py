@@ -26,7 +26,7 @@ def compiler() -> str | None:
 class ChainInC:
     """The nominal chain for one time grid; compiled into `folder` with `compiler()`.
 
-    `parameters` are d, alpha d, beta, gamma; `step` the exact map of the mechanics, shape (8,).
+    `parameters` are d, alpha d, beta, gamma; `step` the mechanics, shape (5,).
     """
 
     def __init__(

@@ -99,19 +99,18 @@ class _Rates:
 def numpy_loop(values: Values, step: Array, voltage: Array) -> Array:
     """Displacement, m, for a held voltage, by a loop over the samples with numpy's functions.
 
-    `step` is the exact map of the mechanics over a sample period, shape (8,).
+    `step` is the mechanics' difference equation for a sample period, shape (5,).
     """
     a = values["alpha"] * values["d"]
-    own, old, new = step[:4].reshape(2, 2), step[4:6], step[6:8]
-    moving, free, h, u = np.zeros(2), 0.0, 0.0, 0.0
+    h, u, latest = 0.0, 0.0, np.zeros(5)  # two positions, then three of the free displacement
     displacement = np.empty(len(voltage))
     for k in range(len(voltage)):
-        displacement[k] = moving[0]
+        displacement[k] = latest[0]
         h = _hysteresis(h, voltage[k] - u, a, values["beta"], values["gamma"])
         u = voltage[k]
-        w = values["d"] * u - h
-        moving = own @ moving + old * free + new * w
-        free = w
+        latest[3:] = latest[2:-1]
+        latest[2] = values["d"] * u - h
+        latest[:2] = step @ latest, latest[0]
     return displacement
 
 

@@ -3,7 +3,9 @@
     m x'' + b x' + k x = k w - k_s x,        w = d u - h
 
 Linear, so each internal step is taken exactly: the matrix exponential of the system augmented by
-its input, which is held over the step or runs straight through it (Van Loan 1978).
+its input, which is held over the step or runs straight through it (Van Loan 1978). Where all steps
+are alike and long, position follows position without the velocity: the same map as a difference
+equation, which waits for half as much from one step to the next.
 """
 
 import math
@@ -27,6 +29,7 @@ FEWEST_PIECES = 12  # in a sample period, unless that takes more corners
 MOST_PIECES = 64
 
 FAR_OFF = 30.0  # times the model's mass
+LONG = 1.0  # of the natural period over 2 pi: a shorter step's difference equation loses digits
 
 
 @lru_cache(maxsize=256)
@@ -54,8 +57,39 @@ def _transition(m: float, b: float, k: float, k_s: float, step: float, ramped: b
     )
 
 
+def _difference(step: Array) -> Array:
+    """The map of a step, as `_transition` gives it, without the velocity (Cayley-Hamilton).
+
+    Row: x from the last x, from the one before, and from the new w, the old and the one before.
+    """
+    one, old, new = step[:4].reshape(2, 2), step[4:6], step[6:8]
+    trace, determinant = one[0, 0] + one[1, 1], one[0, 0] * one[1, 1] - one[0, 1] * one[1, 0]
+    rest = one - trace * np.eye(2)
+    return np.array([trace, -determinant, new[0], (old + rest @ new)[0], (rest @ old)[0]])
+
+
 @compiled
 def kernel(coefficients: Array, state: Array, bus: Array) -> None:
+    if coefficients.shape[1] == 8:
+        _map(coefficients, state, bus)
+    else:
+        _differ(coefficients[0], state, bus)
+
+
+@compiled
+def _differ(c: Array, state: Array, bus: Array) -> None:
+    x, x_before, w, w_before = state[0], state[1], state[2], state[3]
+    for j in range(bus.shape[1]):
+        new = bus[FREE, j]
+        # What is new and what is old first: the next step waits for no more than one product.
+        x, x_before = c[0] * x + (c[1] * x_before + (c[2] * new + (c[3] * w + c[4] * w_before))), x
+        w, w_before = new, w
+        bus[POSITION, j] = x
+    state[0], state[1], state[2], state[3] = x, x_before, w, w_before
+
+
+@compiled
+def _map(coefficients: Array, state: Array, bus: Array) -> None:
     x, v, w = state[0], state[1], state[2]
     steps = coefficients.shape[0]
     row = 0
@@ -92,12 +126,14 @@ def static_gain(values: Values) -> float:
 
 
 def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
-    """State: position, velocity and the free displacement so far."""
+    """State: position, velocity and free displacement so far, or the last two of both positions."""
     m, b, k, k_s = (values[name] for name in ("m", "b", "k", "k_s"))
     rows = [_transition(m, b, k, k_s, step, timing.ramped) for step in timing.steps]
     levels[PLACES + POSITION] = static_gain(values) * levels[PLACES + FREE]
-    state = np.array([levels[POSITION], 0.0, levels[FREE]])
-    return Prepared(np.array(rows), state, ramped=True)
+    x, w = levels[POSITION], levels[FREE]
+    if len(rows) == 1 and mass_under_forces.natural_frequency(values) * timing.steps[0] > LONG:
+        return Prepared(_difference(rows[0])[None], np.array([x, x, w, w]), ramped=True)
+    return Prepared(np.array(rows), np.array([x, 0.0, w]), ramped=True)
 
 
 def plausible(scales: Scales) -> Mapping[str, tuple[float, float]]:

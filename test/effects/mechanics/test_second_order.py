@@ -63,9 +63,27 @@ def test_any_input_is_followed_exactly(
 
 def test_a_step_of_no_duration_changes_nothing(paper: Model) -> None:
     w = np.repeat(np.random.default_rng(0).normal(size=20), 2)
-    whole = follow(paper.values("second_order"), w[::2], (1e-4,))
-    split = follow(paper.values("second_order"), w, (0.0, 1e-4))
+    whole = follow(paper.values("second_order"), w[::2], (5e-6,))
+    split = follow(paper.values("second_order"), w, (0.0, 5e-6))
     np.testing.assert_array_equal(split[1::2], whole)
+
+
+@pytest.mark.parametrize("ramped", [False, True])
+@pytest.mark.parametrize("damping", [0.01, 1.0, 100.0])
+@pytest.mark.parametrize("span", [1.01, 3.0, 100.0])
+def test_the_difference_equation_is_the_map(
+    paper: Model, span: float, damping: float, ramped: bool
+) -> None:
+    """Steps that are all alike and long are taken without the velocity, a divided one with it."""
+    values = paper.values("second_order")
+    values["b"] *= damping
+    step = span * np.sqrt(values["m"] / (values["k"] + values["k_s"]))
+    w = np.repeat(np.random.default_rng(0).normal(size=2000), 2)
+    whole = follow(values, w[1::2], (step,), ramped)
+    if ramped:
+        w = np.append(0.0, w[:-1])  # what has no duration does not move it
+    split = follow(values, w, (0.0, step), ramped)
+    np.testing.assert_allclose(split[1::2], whole, rtol=0.0, atol=1e-12)
 
 
 def test_at_rest_it_is_the_springs_gain(paper: Model, slow: Model) -> None:
