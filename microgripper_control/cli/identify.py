@@ -24,7 +24,7 @@ from microgripper_control.core.files import check_place
 from microgripper_control.core.recording import refuse_twice
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.fit import Fit, fit
-from microgripper_control.identification.nuisance import Conditions
+from microgripper_control.identification.nuisance import Conditions, zero_of
 from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Key, Setting, title
 from microgripper_control.plant.model_file import save_model
@@ -102,7 +102,7 @@ def as_json(found: Fit) -> dict[str, Any]:
                 "rmse_m": rmse,
                 "relative_rmse": relative,
                 "white_noise_m": white,
-                "offset_m": nuisance.offset,
+                "offset_m": zero_of(found.model, nuisance),
                 "initial_hysteresis_m": nuisance.initial_hysteresis,
             }
             for name, rmse, relative, white, nuisance in zip(

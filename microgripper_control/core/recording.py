@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -19,7 +20,14 @@ UNSETTLED = 0.05  # s: how long a rig may still answer to a voltage that is not 
 UNSETTLED_SAMPLES = 5  # at the least
 MOST_UNSETTLED = 0.2  # of all samples: more of them do not go uncounted for that
 
+SAME_PERIOD = 1e-4  # of it: stamps that jitter give each recording of one clock another period
+
 Mask = NDArray[np.bool_]
+
+
+def same_period(one: float, other: float) -> bool:
+    """Whether two sample periods, s, are those of the same clock."""
+    return math.isclose(one, other, rel_tol=SAME_PERIOD)
 
 
 def check_samples(

@@ -116,17 +116,17 @@ def _diagnosed(
     progress("where the gap lies", 0, 1)
     pool = explored.pool
     pool.coloured = coloured_noise(pool)
-    fitted, judging = residuals_of(pool.evidence, pool.refit.model)
-    signs = signatures([*judging, *fitted], pool.noise_floor)
+    left = residuals_of(pool.evidence, pool.refit.model)
+    signs = signatures(left.each_once, pool.noise_floor)
     given = _answer(explored, signs)
     found = answer.candidates(given.weighed, pool, names, signs, given.model)
     compared = Comparison.of(
         explored.whole, explored.lean, explored.nominal, pool.refit, given.best
     )
     model = given.model.with_rounding_of(nominal)
-    free_form = explainable(fitted, judging, pool.noise_floor)
+    free_form = explainable(left.fitted, left.judging, pool.noise_floor)
     gap = compared.gap(pool.noise_floor, free_form)
-    where = tuple(locate([*judging, *fitted], pool.noise_floor))
+    where = tuple(locate(left.each_once, pool.noise_floor))
     groups = answer.ambiguous(given.weighed, pool) if given.verdict == EFFECTS else ()
     told = sentence(
         given.verdict,
@@ -154,13 +154,13 @@ def _diagnosed(
         refit=compared.refit.model,
         model=model,
         conditions=whole.conditions,
-        judged=compared.judged(judging),
+        judged=compared.judged(left.zero),
         shares=_shares(pool, given.effects, given.best),
         warnings=(
             *warnings,
             *scale_warnings(whole.nominal, pool.evidence.fitted, whole.conditions),
             *explored.warnings,
-            *hold_warnings(pool.evidence, compared.refit),
+            *hold_warnings(pool.evidence, pool.refit),
         ),
     )
 

@@ -21,7 +21,7 @@ from microgripper_control.core.signals import Array
 from microgripper_control.core.sliding import Sliding
 from microgripper_control.diagnosis.data.noise import ORDER, usual_innovation
 from microgripper_control.effects.registry import registry
-from microgripper_control.identification.nuisance import Projection
+from microgripper_control.identification.nuisance import Projection, has_own_zero
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.simulate import Plant
 
@@ -98,7 +98,7 @@ class RunningGap:
             return None
         tick, voltage, error, remembered = self._window.columns
         before = float(np.ptp(remembered))
-        shapes = [np.ones((1, len(tick))), *self._courses((tick - tick[0]) * self._period)]
+        shapes = self._courses((tick - tick[0]) * self._period)
         if before > FORGOTTEN * self._large:
             shapes.append(remembered[None] / before)
         left = Projection.off(np.concatenate(shapes))(error)
@@ -131,7 +131,9 @@ class RunningGap:
 
     def _courses(self, time: Array) -> list[Array]:
         settings = self._model.settings
-        return [registry()[name].courses(self._model.values(name), time) for name in settings]
+        zero = [np.ones((1, len(time)))] if has_own_zero(self._model) else []
+        links = [registry()[name].courses(self._model.values(name), time) for name in settings]
+        return [*zero, *links]
 
 
 class Watch:

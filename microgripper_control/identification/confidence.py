@@ -47,30 +47,25 @@ def white_noise(residual: Array) -> float:
     return float(np.median(np.abs(np.diff(residual, 2))) / (NORMAL_MEDIAN * np.sqrt(6.0)))
 
 
-def covariance(jacobian: Array, residuals: Sequence[Array], offsets: int) -> Array:
-    """Covariance of the estimate, shape (p, p), in the units of the Jacobian's columns.
+def variances_of(jacobian: Array, residuals: Sequence[Array], offsets: int) -> Array:
+    """Variances of the estimates, shape (p,), in the squared units of the Jacobian's columns.
 
     `residuals` holds one array per recording, `offsets` counts the parameters eliminated before.
-    Directions that the data cannot see get infinite variance.
+    What the data cannot see gets an infinite variance.
     """
     count = sum(len(r) for r in residuals)
     freedom = max(1, count - jacobian.shape[1] - offsets)
     squares = sum(float(r @ r) * autocorrelation_time(r) for r in residuals)
     norms = np.linalg.norm(jacobian, axis=0)
     seen = norms > 0.0
-    result = np.full((len(norms), len(norms)), 0.0)
-    np.fill_diagonal(result, np.inf)
+    result = np.full(len(norms), np.inf)
     if seen.any():
         scaled = jacobian[:, seen] / norms[seen]
         _, sizes, directions = np.linalg.svd(scaled, full_matrices=False)
-        with np.errstate(divide="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore"):
             inverse = np.where(sizes > 1e-12 * sizes[0], 1.0 / sizes**2, np.inf)
-        spread = np.zeros((len(sizes), len(sizes)))
-        for variance, direction in zip(inverse, directions, strict=True):
-            part = np.outer(direction, direction)
-            spread += np.where(part == 0.0, 0.0, part * variance)
-        spread /= np.outer(norms[seen], norms[seen])
-        result[np.ix_(seen, seen)] = spread * squares / freedom
+            parts = np.where(directions == 0.0, 0.0, directions**2 * inverse[:, None])
+        result[seen] = parts.sum(axis=0) / norms[seen] ** 2 * squares / freedom
     return result
 
 

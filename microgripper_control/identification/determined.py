@@ -15,8 +15,8 @@ from microgripper_control.core.signals import Array
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.confidence import (
     autocorrelation_time,
-    covariance,
     independent_samples,
+    variances_of,
 )
 from microgripper_control.identification.elimination import Split
 from microgripper_control.identification.problem import Problem
@@ -57,7 +57,7 @@ def variances(problem: Problem, z: Array) -> Array:
     """Variances of the free parameters in z, shape (len(problem.free),)."""
     split = Split.by_recording(problem, z, problem.columns(z, range(len(problem.free))))
     eliminated = problem.eliminated + len(split.sizes)
-    return np.diag(covariance(split.rest, problem.split_residuals(z), eliminated))
+    return variances_of(split.rest, problem.split_residuals(z), eliminated)
 
 
 def freedom(problem: Problem, z: Array) -> float:

@@ -71,16 +71,21 @@ class Nuisance:
     reading: float = 0.0
     reading_age: float = 0.0
 
-    @property
-    def offset(self) -> float:
-        """The zero, m: the first course is constant unless the model freezes it."""
-        return self.weights[0] if self.weights else 0.0
+
+def zero_of(model: Model, nuisance: Nuisance) -> float:
+    """What the sensor shows at x = 0, m, beyond what the model says: the first course is that."""
+    return nuisance.weights[0] if nuisance.weights and has_own_zero(model) else 0.0
+
+
+def has_own_zero(model: Model) -> bool:
+    """Whether each recording has a zero of its own, as it has unless the model fixes it."""
+    return "sensor_zero" not in model.settings
 
 
 def courses(model: Model, recording: Recording) -> Array:
     """What the weights multiply, shape (p, n): the zero, unless frozen, then each link's own."""
     rows: list[Array] = []
-    if "sensor_zero" not in model.settings:
+    if has_own_zero(model):
         rows.append(np.ones((1, len(recording))))
     rows += _by_link(model, recording).values()
     return np.concatenate([np.zeros((0, len(recording))), *rows])
@@ -183,6 +188,12 @@ class Projection:
         return left
 
 
+def course_weights(shapes: Array, error: Array) -> tuple[float, ...]:
+    """Least-squares weights, m, of courses, shape (p, n), in an error, m; 0 for what they hide."""
+    weights, *_ = np.linalg.lstsq(shapes.T, error, rcond=HARDLY_SEEN)
+    return tuple(map(float, weights))
+
+
 def fit_nuisance(
     model: Model, recording: Recording, conditions: Conditions, used: Mask | None = None
 ) -> Nuisance:
@@ -205,9 +216,8 @@ def fit_nuisance(
         without = Projection.off(shapes)
         h = least_squares_h(lambda h: without((recording.measured - answer(h))[mask]), bound)
         error = recording.measured - answer(h)
-    weights, *_ = np.linalg.lstsq(shapes.T, error[mask], rcond=HARDLY_SEEN)
     reading = middle_reading(recording, mask)
-    return Nuisance(h, tuple(map(float, weights)), reading, recording.reading_age)
+    return Nuisance(h, course_weights(shapes, error[mask]), reading, recording.reading_age)
 
 
 def late(model: Model, recording: Recording, conditions: Conditions, used: Mask, h: float) -> Late:
@@ -302,5 +312,5 @@ def heldout_prediction(model: Model, recording: Recording, conditions: Condition
     """
     nuisance = fit_nuisance(model, recording, conditions, blocks(len(recording), odd=True))
     prediction = predict(model, recording, conditions, nuisance)
-    counted = blocks(len(recording), odd=False) & recording.explained
-    return Heldout(prediction, counted, nuisance.offset)
+    counted = blocks(len(recording), odd=False) & conditions.answered(recording)
+    return Heldout(prediction, counted, zero_of(model, nuisance))

@@ -23,6 +23,7 @@ from microgripper_control.identification.nuisance import (
     Mask,
     Nuisance,
     Projection,
+    course_weights,
     courses,
     largest_hysteresis,
     middle_reading,
@@ -135,10 +136,10 @@ class Problem:
         found = []
         for index, h in enumerate(self.initial_hysteresis(z)):
             shapes = courses(model, self.recordings[index])[:, self.masks[index]]
-            weights, *_ = np.linalg.lstsq(shapes.T, self._error(model, index, h), rcond=None)
+            weights = course_weights(shapes, self._error(model, index, h))
             reading = middle_reading(self.recordings[index], self.masks[index])
             age = self.recordings[index].reading_age
-            found.append(Nuisance(h, tuple(map(float, weights)), reading, age))
+            found.append(Nuisance(h, weights, reading, age))
         return found
 
     def residuals(self, z: Array) -> Array:
@@ -210,12 +211,12 @@ class Problem:
         """The residuals a step away from a point."""
         moved = z.copy()
         moved[index] += step
-        return self.residuals(moved)
+        return np.concatenate(self.split_residuals(moved))
 
     def own_columns(self, z: Array) -> list[Array]:
         """Of each recording the derivative of its residuals, shape (n,), by its own initial h.
 
-        None if these are known.
+        An empty list if these are known.
         """
         return [self._by_hysteresis(z, index) for index in range(len(self.hysteresis_scales))]
 

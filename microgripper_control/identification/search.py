@@ -40,7 +40,7 @@ def simplex(problem: Problem) -> Array:
         start[:count],
         method="Nelder-Mead",
         bounds=list(zip(low[:count], high[:count], strict=True)),
-        options={"maxfev": SIMPLEX_EVALUATIONS, "xatol": 1e-4, "fatol": 0.0},
+        options={"maxfev": SIMPLEX_EVALUATIONS, "xatol": 1e-4, "fatol": np.inf},
     )
     return np.append(best.x, start[count:])
 

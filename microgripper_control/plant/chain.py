@@ -66,8 +66,6 @@ class Chain:
         for link, values in links:
             if link.force:
                 continue
-            if not link.sampled:
-                self.rest_position = float(levels[POSITION])
             kernel, prepared = _ready(link, values, timing, levels, loads)
             timing = timing.with_course(prepared.ramped)
             group = self._sampled if link.sampled else self._continuous

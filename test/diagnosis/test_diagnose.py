@@ -116,6 +116,25 @@ def test_the_makers_rig_with_its_coarse_sensor_is_only_fitted_again(
     assert found.gap.noise_floor <= found.gap.augmented
 
 
+@pytest.mark.parametrize("separate", [True, False])
+def test_what_is_too_long_to_be_simulated_is_diagnosed_in_pieces(
+    paper: Model,
+    mistuned: Callable[[Model], Model],
+    monkeypatch: pytest.MonkeyPatch,
+    *,
+    separate: bool,
+) -> None:
+    """All of it is shown, beside what the models say, and no warning compares whole and part."""
+    monkeypatch.setattr("microgripper_control.diagnosis.data.evidence.MOST_SIMULATED", 10_000)
+    monkeypatch.setattr("microgripper_control.diagnosis.data.evidence.MOST_COMPARED", 5_000)
+    runs = [record(paper, 24.0, 1), record(paper, 24.0, 2)]
+    given, kept = (runs[:1], runs[1:]) if separate else (runs, [])
+    found = diagnose(mistuned(paper), given, kept, without={*candidate_names()} - {"creep"})
+    assert (found.verdict, found.effects, found.warnings) == (PARAMETERS, (), ())
+    assert [len(one.position) for one in found.judged] == [24_000] * len(kept or runs)
+    assert found.gap.refit == pytest.approx(NOISE, rel=0.1)
+
+
 @pytest.fixture(scope="module")
 def planted() -> dict[str, dict[str, float]]:
     return {

@@ -9,6 +9,7 @@ import pytest
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.diagnosis.data.evidence import STRETCH, Evidence
+from microgripper_control.diagnosis.data.residuals import residuals_of
 from microgripper_control.diagnosis.fits.trial import Trial, moved, unfitted
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.model import nominal_model
@@ -73,6 +74,30 @@ def test_of_joined_blocks_half_of_what_judged_judges_on() -> None:
         near = np.convolve(judging, np.ones(length // 110), mode="same") > 0.5
         assert not np.any(fitted & near)
         assert fitted[-1]
+
+
+def test_joined_recordings_keep_the_ages_of_their_readings() -> None:
+    model = nominal_model().with_link("sensor_lag", clock=1.7e-3)
+    whole = Evidence.gather(
+        [recording("fitted", 3000, Initial.REST)],
+        [recording("held out", 3000, Initial.REST)],
+        Conditions(initial=Initial.REST),
+        model,
+    )
+    ages = [one.reading_age for one in whole.joined().fitted]
+    assert ages == [whole.fitted[0].reading_age, whole.judged[0].reading_age]
+    assert all(age > 0.0 for age in ages)
+
+
+def test_a_recording_whose_blocks_judge_is_looked_at_once() -> None:
+    whole = gathered(False)
+    left = residuals_of(whole, whole.nominal)
+    assert len(left.fitted) == len(left.judging) == len(left.each_once) == 2
+    for one, fitted, judging in zip(left.each_once, left.fitted, left.judging, strict=True):
+        assert one.recording is fitted.recording
+        np.testing.assert_array_equal(one.counted, fitted.counted | judging.counted)
+    apart = gathered(True)
+    assert len(residuals_of(apart, apart.nominal).each_once) == 3
 
 
 def test_what_is_short_enough_stays_as_it_is() -> None:

@@ -113,6 +113,16 @@ def test_a_hum_of_any_phase_is_no_gap_to_a_model_that_hums(paper: Model) -> None
     assert readings[-1].gap == pytest.approx(NOISE, rel=0.05)
 
 
+def test_a_zero_that_the_model_fixes_is_one(paper: Model) -> None:
+    displacement = measured(paper, WAVE)
+    fixed = paper.with_link("sensor_zero", offset=0.0)
+    for off, ratio in ((0.0, 1.0), (1e-6, 60.0)):
+        readings, _ = compare(RunningGap(fixed, PERIOD, 5.0), WAVE, displacement + off)
+        assert readings[-1].gap > 0.9 * ratio * NOISE
+        readings, _ = compare(RunningGap(paper, PERIOD, 5.0), WAVE, displacement + off)
+        assert readings[-1].gap == pytest.approx(NOISE, rel=0.05)
+
+
 def test_through_missing_samples_the_voltage_is_held(paper: Model) -> None:
     rng = np.random.default_rng(5)
     there = np.cumsum(rng.choice([1, 1, 1, 1, 2, 9], size=4000))

@@ -23,6 +23,12 @@ def test_a_period_is_found_to_the_sample(samples: int) -> None:
     assert find_period(80.0 * wave + 20.0 * wave**3) == samples
 
 
+@pytest.mark.parametrize("samples", [20_011, 90_000])
+def test_of_a_long_recording_too(samples: int) -> None:
+    wave = np.sin(2.0 * np.pi * np.arange(300_000) / samples)
+    assert find_period(80.0 * wave + 20.0 * wave**3) == samples
+
+
 def test_noise_in_the_reading_of_the_voltage_hides_no_period() -> None:
     noise = np.random.default_rng(5).normal(0.0, 0.5, len(TIME))
     assert find_period(80.0 + 80.0 * np.sin(2.0 * np.pi * TIME) + noise) == pytest.approx(
@@ -46,8 +52,9 @@ def test_a_sine_switched_on_counts_from_its_second_period() -> None:
         80.0 + 80.0 * np.sin(2.0 * np.pi * TIME) * np.exp(-TIME / 3.0),
         80.0 + 10.0 * np.floor(TIME),
         80.0 * np.sin(2.0 * np.pi * TIME / 6.0),
+        np.full(8000, 80.0),
     ],
-    ids=["chirp", "decaying loops", "staircase", "one period and a third"],
+    ids=["chirp", "decaying loops", "staircase", "one period and a third", "rest"],
 )
 def test_what_is_not_periodic_counts_from_the_start(voltage: Array) -> None:
     assert settled(recording(voltage)).all()

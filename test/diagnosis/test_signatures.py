@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from planted_residuals import GAIN, NOISE, PERIOD, loops, motion, multisine, planted, staircase
@@ -10,8 +12,10 @@ from scipy.signal import lfilter
 from microgripper_control.core.recording import Recording
 from microgripper_control.diagnosis.data.residuals import Residual
 from microgripper_control.diagnosis.findings import Signature
-from microgripper_control.diagnosis.signs.reversals import widths_by_rate
+from microgripper_control.diagnosis.signs.reversals import _slopes_without, widths_by_rate
 from microgripper_control.diagnosis.signs.signatures import signatures
+from microgripper_control.diagnosis.signs.spectra import same_clock
+from microgripper_control.diagnosis.signs.where import locate
 from microgripper_control.effects.registry import registry
 
 
@@ -39,6 +43,52 @@ def test_hum_is_seen_and_its_absence_too() -> None:
     assert seen.agrees
     assert "50.0" in seen.statement
     assert said(planted(voltage, 0.0))["mains_hum"].agrees is False
+
+
+def test_a_lost_sample_hides_no_line() -> None:
+    voltage = loops()
+    hum = 30e-9 * np.sin(2.0 * np.pi * 50.0 * PERIOD * np.arange(len(voltage)))
+    counted = np.ones(len(voltage), bool)
+    counted[70] = False
+    residual = replace(planted(voltage, hum), counted=counted)
+    assert said(residual)["mains_hum"].agrees
+    place = locate([residual], NOISE)[0]
+    assert place.high - place.low < 2.0
+
+
+def test_recordings_of_one_clock_have_one_spectrum() -> None:
+    """Stamps that jitter give each of them a period of its own."""
+    hum = 100e-9 * np.sin(2.0 * np.pi * 50.0 * PERIOD * np.arange(20000))
+    one = planted(loops(), hum)
+    other = replace(one, recording=replace(one.recording, sample_period=PERIOD * (1.0 + 1e-9)))
+    assert [len(group) for group in same_clock([one, other])] == [2]
+    slower = replace(one, recording=replace(one.recording, sample_period=2.0 * PERIOD))
+    assert [len(group) for group in same_clock([slower, other, one])] == [2, 1]
+
+
+def test_a_band_counts_as_a_share_of_the_gap_of_all_clocks() -> None:
+    hum = 30e-9 * np.sin(2.0 * np.pi * 50.0 * PERIOD * np.arange(20000))
+    quiet = planted(loops(), hum)
+    rough = lfilter([1.0], [1.0, -0.5], np.random.default_rng(1).standard_normal(20000))
+    loud = planted(multisine(), 400e-9 * rough)
+    loud = replace(loud, recording=replace(loud.recording, sample_period=0.5 * PERIOD))
+    shares = [p.share_of_gap for p in locate([quiet, loud], NOISE) if 49.0 < p.low < 51.0]
+    assert all(share < 0.05 for share in shares)
+
+
+def test_what_is_brief_is_not_slow() -> None:
+    voltage = loops(1000, 3.0)
+    wave = 200e-9 * np.sin(2.0 * np.pi * PERIOD * np.arange(1000))
+    assert not said(planted(voltage, wave))["thermal_drift"].agrees
+    assert not [place for place in locate([planted(voltage, wave)], NOISE) if place.high == 0.2]
+
+
+def test_slopes_without_a_piece_are_those_of_the_others() -> None:
+    random = np.random.default_rng(2)
+    x, y, piece = random.normal(size=300), random.normal(size=300), random.integers(0, 7, 300)
+    found = _slopes_without(piece, x, y)
+    expected = [np.polyfit(x[piece != out], y[piece != out], 1)[0] for out in range(7)]
+    np.testing.assert_allclose(found, expected, rtol=1e-10)
 
 
 def test_readings_on_a_grid() -> None:

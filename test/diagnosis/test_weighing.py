@@ -9,7 +9,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from microgripper_control.diagnosis.answers.answer import ambiguous, by_importance, chosen, verdict
+from microgripper_control.diagnosis.answers.answer import (
+    ambiguous,
+    by_importance,
+    chosen,
+    rivals,
+    verdict,
+)
 from microgripper_control.diagnosis.answers.weighing import (
     AGREES,
     MISTUNED,
@@ -298,6 +304,16 @@ def test_a_second_effect_is_named_if_it_takes_most_of_the_rest(
     assert chosen(weighed, pool) == named
 
 
+def test_the_model_as_given_is_no_rival_beside_its_refit() -> None:
+    pool = pool_of({CREEP: trial(nominal_model().with_link("creep"), 15.0)})
+    for weighed, expected in (
+        ({CREEP: 0.4, MISTUNED: 0.3, NOTHING: 0.3}, [pool.tried[CREEP], pool.refit]),
+        ({MISTUNED: 0.6, NOTHING: 0.4}, [pool.refit]),
+        ({CREEP: 0.5, MISTUNED: 0.001, NOTHING: 0.499}, [pool.tried[CREEP], pool.nominal]),
+    ):
+        assert [id(one) for one in rivals(weighed, pool)] == [id(one) for one in expected]
+
+
 def test_an_effect_that_was_fitted_away_beside_another_is_no_explanation() -> None:
     creep = nominal_model().with_link("creep")
     gone = creep.with_link("sensor_lag", averaging=0.0, time_constant=0.0, curvature=0.0, clock=0.0)
@@ -309,8 +325,8 @@ def test_an_effect_that_was_fitted_away_beside_another_is_no_explanation() -> No
 
 def pool_of(tried: Mapping[frozenset[str], Trial]) -> Pool:
     """What was tried where the model as it is, and refitted, leaves 60 nm."""
-    plain = trial(nominal_model(), 60.0)
-    return Pool(EVIDENCE, plain, plain, dict(tried))  # type: ignore[arg-type]
+    given, refit = trial(nominal_model(), 60.0), trial(nominal_model(), 60.0)
+    return Pool(EVIDENCE, given, refit, dict(tried))  # type: ignore[arg-type]
 
 
 def trial(model: Model, error: float) -> Trial:

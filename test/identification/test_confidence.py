@@ -8,8 +8,8 @@ from scipy.signal import lfilter
 
 from microgripper_control.identification.confidence import (
     autocorrelation_time,
-    covariance,
     interval,
+    variances_of,
     white_noise,
 )
 
@@ -21,20 +21,27 @@ def test_autocorrelation_time_of_a_first_order_process(phi: float) -> None:
     assert autocorrelation_time(process) == pytest.approx((1.0 + phi) / (1.0 - phi), rel=0.1)
 
 
-def test_covariance_of_a_straight_line_is_the_textbook_one() -> None:
+def test_the_variances_of_a_straight_line_are_the_textbook_ones() -> None:
     x = np.linspace(-1.0, 1.0, 1000)
     residual = np.random.default_rng(12).choice([-0.1, 0.1], 1000)
     variance = float(residual @ residual) / (1000 - 2) * autocorrelation_time(residual)
-    found = covariance(np.stack([np.ones_like(x), x], axis=1), [residual], offsets=0)
-    assert found[0, 0] == pytest.approx(variance / 1000, rel=1e-9)
-    assert found[1, 1] == pytest.approx(variance / float(x @ x), rel=1e-9)
+    found = variances_of(np.stack([np.ones_like(x), x], axis=1), [residual], offsets=0)
+    assert found == pytest.approx([variance / 1000, variance / float(x @ x)], rel=1e-9)
 
 
 def test_confidence_is_infinite_along_what_the_data_cannot_see() -> None:
     column = np.linspace(0.0, 1.0, 50)
     jacobian = np.stack([column, 2.0 * column, np.zeros(50)], axis=1)
-    found = covariance(jacobian, [np.full(50, 0.1)], offsets=0)
-    assert np.all(np.isinf(np.diag(found)))
+    found = variances_of(jacobian, [np.full(50, 0.1)], offsets=0)
+    assert np.all(np.isinf(found))
+
+
+def test_what_shows_as_one_does_not_hide_what_shows_by_itself() -> None:
+    """Two columns that are one have a direction of their own, which may be exactly that."""
+    one, other = np.eye(50)[:2]
+    found = variances_of(np.stack([one, one, other], axis=1), [np.full(50, 0.1)], offsets=0)
+    assert np.isinf(found[:2]).all()
+    assert np.isfinite(found[2])
 
 
 def test_white_noise_is_told_from_structure_and_jumps() -> None:

@@ -7,14 +7,14 @@ import pytest
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
-from microgripper_control.identification.confidence import covariance
+from microgripper_control.identification.confidence import variances_of
 from microgripper_control.identification.determined import variances
 from microgripper_control.identification.elimination import (
     Split,
     turned_jacobian,
     turned_residuals,
 )
-from microgripper_control.identification.nuisance import Conditions
+from microgripper_control.identification.nuisance import Conditions, response
 from microgripper_control.identification.problem import Problem
 from microgripper_control.identification.start import GRID_KEYS, better_start
 from microgripper_control.plant.model import nominal_model
@@ -59,10 +59,37 @@ def test_the_turned_problem_has_the_products_of_the_whole_one(initial: Initial) 
     )
 
 
+def test_a_jacobian_simulates_each_recording_once_a_column(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    problem, z = problem_of(Initial.FIRST_SAMPLE)
+    problem.residuals(z)
+    asked = []
+
+    def counted(*arguments: object) -> Array:
+        asked.append(arguments)
+        return response(*arguments)  # type: ignore[arg-type]
+
+    monkeypatch.setattr("microgripper_control.identification.problem.response", counted)
+    problem.jacobian(z)
+    assert len(asked) == len(GRID_KEYS) * len(LENGTHS) + len(LENGTHS)
+
+
+def test_weights_of_courses_that_are_nearly_one_are_no_rounding() -> None:
+    """Creep that is slower than a recording is a drift, and a zero: which, it does not show."""
+    model = (
+        nominal_model().with_link("thermal_drift").with_link("creep", fastest=30.0, slowest=300.0)
+    )
+    problem, z = problem_of(Initial.REST)
+    problem = Problem(model, problem.recordings, problem.conditions, (), problem.used)
+    for nuisance in problem.nuisances(z[:0]):
+        assert np.max(np.abs(nuisance.weights)) < 1e-4
+
+
 def test_variances_are_those_of_the_whole_jacobian() -> None:
     problem, z = problem_of(Initial.FIRST_SAMPLE)
-    whole = covariance(problem.jacobian(z), problem.split_residuals(z), problem.eliminated)
-    np.testing.assert_allclose(variances(problem, z), np.diag(whole)[:4], rtol=1e-6)
+    whole = variances_of(problem.jacobian(z), problem.split_residuals(z), problem.eliminated)
+    np.testing.assert_allclose(variances(problem, z), whole[:4], rtol=1e-6)
 
 
 def test_a_split_adds_up_to_the_columns() -> None:

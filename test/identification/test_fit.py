@@ -55,7 +55,7 @@ def test_planted_parameters_come_back_within_a_quarter_per_cent() -> None:
     assert all(error(found, truth, name) < 2.5e-3 for name in NAMES)
     assert found.gain.value == pytest.approx(1.4447e-7 * 5e7 / (5e7 + 8.2e5), rel=2.5e-3)
     assert found.rmse[0] == pytest.approx(NOISE, rel=0.03)
-    assert found.nuisances[0].offset == pytest.approx(3e-6, abs=2e-9)
+    assert found.nuisances[0].weights[0] == pytest.approx(3e-6, abs=2e-9)
 
 
 def test_intervals_cover_the_truth_as_often_as_they_say() -> None:
@@ -121,7 +121,7 @@ def test_several_recordings_share_the_rig_but_not_the_zero() -> None:
     runs.append(record(truth, 160.0 - growing_loops(6000), 6, offset=7e-6))
     found = fit(mistuned(truth, 1.1, 1.1, 0.9, 0.9), runs)
     assert all(error(found, truth, name) < 1e-2 for name in NAMES)
-    assert [n.offset for n in found.nuisances] == pytest.approx([-2e-6, 7e-6], abs=3e-8)
+    assert [n.weights[0] for n in found.nuisances] == pytest.approx([-2e-6, 7e-6], abs=3e-8)
 
 
 def test_a_very_different_actuator_is_found_from_the_papers_values() -> None:

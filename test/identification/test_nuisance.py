@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -13,6 +15,7 @@ from microgripper_control.identification.nuisance import (
     fit_nuisance,
     heldout_prediction,
     predict,
+    zero_of,
 )
 from microgripper_control.plant.model import nominal_model
 from microgripper_control.plant.simulate import Initial, simulate
@@ -30,7 +33,7 @@ def recording(h: float = 4e-7, offset: float = -1e-6) -> Recording:
 def test_offset_and_initial_hysteresis_are_found() -> None:
     found = fit_nuisance(nominal_model(), recording(), Conditions())
     assert found.initial_hysteresis == pytest.approx(4e-7, rel=1e-6)
-    assert found.offset == pytest.approx(-1e-6, rel=1e-6)
+    assert found.weights == pytest.approx((-1e-6,), rel=1e-6)
 
 
 def test_a_small_loop_may_begin_with_what_a_large_one_has_built_up() -> None:
@@ -48,8 +51,29 @@ def test_a_small_loop_may_begin_with_what_a_large_one_has_built_up() -> None:
 def test_a_frozen_zero_is_left_alone() -> None:
     model = nominal_model().with_link("sensor_zero", offset=-1e-6)
     found = fit_nuisance(model, recording(), Conditions())
-    assert found.offset == 0.0
+    assert zero_of(model, found) == 0.0
     assert found.initial_hysteresis == pytest.approx(4e-7, rel=1e-6)
+
+
+def test_a_frozen_zero_is_not_taken_for_that_of_a_course() -> None:
+    model = nominal_model().with_link("sensor_zero", offset=0.0).with_link("thermal_drift")
+    drifted = recording(offset=0.0)
+    drifting = replace(
+        drifted, displacement=drifted.measured + 1e-6 * np.linspace(0.0, 1.0, len(VOLTAGE))
+    )
+    found = fit_nuisance(model, drifting, Conditions())
+    assert abs(found.weights[0]) > 1e-8
+    assert zero_of(model, found) == 0.0
+    assert heldout_prediction(model, drifting, Conditions()).zero == 0.0
+
+
+def test_only_what_the_voltage_explains_judges() -> None:
+    """A brief recording answers to what came before it for a tenth of its length and more."""
+    brief = Recording("brief", 1e-4, VOLTAGE, simulate(nominal_model(), VOLTAGE, 1e-4))
+    conditions = Conditions()
+    counted = heldout_prediction(nominal_model(), brief, conditions).counted
+    assert not np.any(counted & ~conditions.answered(brief))
+    assert not conditions.answered(brief)[:400].any()
 
 
 def test_courses_that_are_nearly_one_take_no_more_than_they_show() -> None:
@@ -132,4 +156,4 @@ def test_what_began_may_be_forgotten_within_a_few_samples(beta: float) -> None:
     voltage = np.where(np.arange(400) % 5 < 2, 0.0, 160.0)
     fast = Recording("fast", 1e-3, voltage, simulate(model, voltage, 1e-3) + 2e-6)
     nuisance = fit_nuisance(model, fast, Conditions())
-    assert nuisance.offset == pytest.approx(2e-6, abs=1e-8)
+    assert zero_of(model, nuisance) == pytest.approx(2e-6, abs=1e-8)

@@ -160,10 +160,16 @@ def _values(name: str, trial: Trial | None, model: Model) -> Mapping[str, Settin
 
 
 def rivals(weighed: Weighed, pool: Pool) -> list[Trial]:
-    """The explanations that are about as probable as the best, most probable first."""
+    """The explanations that are about as probable as the best, most probable first.
+
+    The model as given is what its refit may be, so it is none beside that.
+    """
     trials = {NOTHING: pool.nominal, MISTUNED: pool.refit, **pool.tried}
     order = sorted((e for e in weighed if e in trials), key=lambda e: -weighed[e])
-    return [trials[e] for e in order if weighed[e] > RIVAL * weighed[order[0]]][:MOST_RIVALS]
+    near = [e for e in order if weighed[e] > RIVAL * weighed[order[0]]]
+    if MISTUNED in near:
+        near = [e for e in near if e != NOTHING]
+    return [trials[e] for e in near[:MOST_RIVALS]]
 
 
 def _note(name: str, pool: Pool) -> str:

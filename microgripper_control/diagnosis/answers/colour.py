@@ -25,10 +25,9 @@ def coloured_noise(pool: Pool) -> float:
     0 where it leaves much more than what is new in each sample, or what follows from the voltage.
     """
     best = pool.leader
-    left = explained(added(pool.evidence, best), best, pool).judged
-    if left > MOST * pool.noise_floor:
+    if explained(added(pool.evidence, best), best, pool).judged > MOST * pool.noise_floor:
         return 0.0
-    fitted, judging = residuals_of(pool.evidence, best.model)
-    if explainable(fitted, judging, pool.noise_floor) > HARDLY:
+    left = residuals_of(pool.evidence, best.model)
+    if explainable(left.fitted, left.judging, pool.noise_floor) > HARDLY:
         return 0.0
     return min(best.rmse, innovation(best.errors, AHEAD))

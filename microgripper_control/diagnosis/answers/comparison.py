@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from microgripper_control.diagnosis.answers.shrinkage import closed_fraction, closed_interval
 from microgripper_control.diagnosis.data.evidence import Evidence
-from microgripper_control.diagnosis.data.residuals import Residual
 from microgripper_control.diagnosis.findings import Gap, Judged
 from microgripper_control.diagnosis.fits.trial import Trial, judged
 from microgripper_control.plant.model import Model
@@ -48,8 +46,8 @@ class Comparison:
             separate=self.evidence.apart,
         )
 
-    def judged(self, residuals: Sequence[Residual]) -> tuple[Judged, ...]:
-        """What the three say about each judging recording, whose residuals these are."""
+    def judged(self, usual: float) -> tuple[Judged, ...]:
+        """What the three say about each judging recording; `usual`, m, is the refit's mean zero."""
         models = (trial.model for trial in (self.nominal, self.refit, self.augmented))
         said = [self.evidence.predictions(model) for model in models]
         return tuple(
@@ -59,11 +57,9 @@ class Comparison:
                 before.prediction,
                 after.prediction,
                 last.prediction,
-                residual.zero,
+                after.zero - usual,
             )
-            for recording, residual, before, after, last in zip(
-                self.evidence.judged, residuals, *said, strict=True
-            )
+            for recording, before, after, last in zip(self.evidence.judged, *said, strict=True)
         )
 
 

@@ -90,7 +90,7 @@ class Evidence:
         scales = measure(nominal, (*recordings, *heldout))
         used = _used(recordings, bool(heldout))
         fitted = all_in_time(nominal, recordings, conditions)
-        judged = tuple(heldout) or fitted
+        judged = all_in_time(nominal, heldout, conditions) or fitted
         return cls(
             nominal.without(nominal.rounding),
             fitted,

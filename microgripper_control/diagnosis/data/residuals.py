@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -46,12 +47,6 @@ class Residual:
     def position(self) -> Array:
         """What the sensor shows, m, shape (n,), with the same zero for all recordings."""
         return self.recording.measured - self.zero
-
-    @property
-    def rate(self) -> Array:
-        """Of the voltage, V/s, shape (n,): from each sample to the next, zero at the last."""
-        voltage = self.recording.voltage
-        return np.diff(voltage, append=voltage[-1]) / self.period
 
     @property
     def moves(self) -> Mask:
@@ -96,12 +91,9 @@ class Residual:
 
         Each begins with the first sample after the last change, which is one before the stretch.
         """
-        starts = np.flatnonzero(self.moves)
-        ends = np.append(starts[1:], len(self.moves))
+        edges = [*np.flatnonzero(self.moves).tolist(), len(self.moves)]
         least = max(2, round(shortest / self.period))
-        return [
-            slice(int(a) + 1, int(b)) for a, b in zip(starts, ends, strict=True) if b - a > least
-        ]
+        return [slice(a + 1, b) for a, b in pairwise(edges) if b - a > least]
 
 
 def gap_power(residuals: Sequence[Residual], noise: float) -> float:
@@ -115,11 +107,30 @@ def gap_energy(residuals: Sequence[Residual], noise: float) -> float:
     return sum(float(np.sum(r.error[r.counted] ** 2 - noise**2)) for r in residuals)
 
 
-def residuals_of(evidence: Evidence, model: Model) -> tuple[list[Residual], list[Residual]]:
+class Residuals(NamedTuple):
+    """What a model leaves of all recordings."""
+
+    fitted: list[Residual]
+    judging: list[Residual]
+    zero: float  # m, that of the sensor, on average of the recordings
+
+    @property
+    def each_once(self) -> list[Residual]:
+        """One of each recording, where samples count that are fitted or judge."""
+        found: dict[int, Residual] = {}
+        for one in (*self.judging, *self.fitted):
+            known = found.get(id(one.recording), one)
+            found[id(one.recording)] = replace(known, counted=known.counted | one.counted)
+        return list(found.values())
+
+
+def residuals_of(evidence: Evidence, model: Model) -> Residuals:
     """What a model leaves where it was fitted and where it is judged."""
     recordings = [*evidence.fitted, *evidence.judged]
-    left = _left(recordings, [*_of_the_fitted(evidence, model), *evidence.predictions(model)])
-    return left[: len(evidence.fitted)], left[len(evidence.fitted) :]
+    said = [*_of_the_fitted(evidence, model), *evidence.predictions(model)]
+    left = _left(recordings, said)
+    count = len(evidence.fitted)
+    return Residuals(left[:count], left[count:], _usual(said))
 
 
 def fitted_residuals(evidence: Evidence, model: Model) -> list[Residual]:
@@ -131,14 +142,18 @@ def _of_the_fitted(evidence: Evidence, model: Model) -> list[Heldout]:
     """What a model says of each fitted recording; the fitted samples count."""
     said = [heldout_prediction(model, r, evidence.conditions) for r in evidence.fitted]
     return [
-        one._replace(counted=used & r.explained)
+        one._replace(counted=used & evidence.conditions.answered(r))
         for r, one, used in zip(evidence.fitted, said, evidence.used, strict=True)
     ]
 
 
 def _left(recordings: Sequence[Recording], said: Sequence[Heldout]) -> list[Residual]:
-    usual = float(np.mean([one.zero for one in said]))
+    usual = _usual(said)
     return [
         Residual(r, r.measured - one.prediction, one.counted, one.zero - usual)
         for r, one in zip(recordings, said, strict=True)
     ]
+
+
+def _usual(said: Sequence[Heldout]) -> float:
+    return float(np.mean([one.zero for one in said]))

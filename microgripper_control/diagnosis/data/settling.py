@@ -19,7 +19,8 @@ SAME = 0.02  # of the swing, rms: so alike are two periods
 ALIKE = 0.15  # the same before the period is known to a sample
 FULL = 0.9  # of the swing: what a period must cover, and of a period: what must be left
 BEGUN = 0.1  # of the way of the voltage: what lies before it becomes periodic at most
-COARSE = 1500  # samples in which a period is looked for first
+COARSE = 1500  # samples in which a period is looked for first,
+FINER = 30  # times as finely then
 
 
 def settled(recording: Recording) -> Mask:
@@ -44,17 +45,25 @@ def find_period(voltage: Array) -> int:
     apart = [_apart(coarse, period) for period in range(1, len(coarse) // 2 + 1)]
     for index, least in enumerate(apart):
         if least < ALIKE and least == min(apart[max(0, index - 1) : index + 2]):
-            near = range(max(1, step * index), step * (index + 2) + 1)
-            fine = [_apart(voltage, length) for length in near]
-            if min(fine) < SAME:
-                return near[int(np.argmin(fine))]
+            stride = -(-step // FINER)
+            middle = _nearest(voltage, step * (index + 1), step, stride)
+            period = _nearest(voltage, middle, stride, 1)
+            if _apart(voltage, period) < SAME:
+                return period
     return 0
+
+
+def _nearest(voltage: Array, middle: int, reach: int, stride: int) -> int:
+    """The length, samples, at most `reach` from `middle`, after which a voltage is most alike."""
+    ways = range(-(reach // stride), reach // stride + 1)
+    lengths = [middle + way * stride for way in ways if middle + way * stride > 0]
+    return min(lengths, key=lambda length: _apart(voltage, length))
 
 
 def _apart(voltage: Array, period: int) -> float:
     """The rms difference of the last two periods over the swing; infinite if they are not whole."""
     swing = np.ptp(voltage)
-    if 2 * period > len(voltage) or np.ptp(voltage[-period:]) < FULL * swing:
+    if 2 * period > len(voltage) or not np.ptp(voltage[-period:]) >= FULL * swing > 0.0:
         return np.inf
     change = voltage[-period:] - voltage[-2 * period : -period]
     return float(np.sqrt(np.mean(change**2)) / swing)

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import minimize, minimize_scalar
 
+from microgripper_control.core.recording import same_period
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.fits.trial import Trial, problem_of
@@ -47,7 +48,7 @@ def on_its_clocks(evidence: Evidence, trial: Trial) -> list[tuple[Evidence, floa
     views = _views(evidence, trial)
     telling = _telling(views)
     # The same clock beats at another rate with samples of another period.
-    alike = [view for view in views if view.sample_period == telling.sample_period]
+    alike = [view for view in views if same_period(view.sample_period, telling.sample_period)]
     rates = _rates(alike)
     if not rates:
         return []

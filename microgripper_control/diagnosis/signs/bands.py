@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import median_filter
@@ -14,8 +14,8 @@ from microgripper_control.diagnosis.findings import Range
 from microgripper_control.diagnosis.signs.spectra import (
     PADDING,
     Spectrum,
+    common_stretch,
     same_clock,
-    shortest_stretch,
     spectrum_of,
 )
 
@@ -45,10 +45,15 @@ class Band:
     place: Range
     concentration: float
 
+    def within(self, share: float) -> Band:
+        """The same of a gap of which that it was found in is a share."""
+        place = replace(self.place, share_of_gap=share * self.place.share_of_gap)
+        return Band(place, share * self.concentration)
+
 
 def bands(residuals: Sequence[Residual], noise: float) -> list[Band]:
     """The parts of the spectrum that hold a good deal of the gap; `noise` in m."""
-    total = gap_power(residuals, noise)
+    total, energy = gap_power(residuals, noise), gap_energy(residuals, noise)
     found: list[Band] = []
     for group in same_clock(residuals):
         own = max(gap_power(group, noise), 0.0)
@@ -56,7 +61,8 @@ def bands(residuals: Sequence[Residual], noise: float) -> list[Band]:
         spectrum = spectrum_of(group)
         if not peaks and spectrum is not None and own > 0.05 * noise**2:
             peaks = _broad(spectrum, noise, own)
-        found += peaks
+        share = min(1.0, max(0.0, gap_energy(group, noise)) / energy) if energy > 0.0 else 1.0
+        found += [peak.within(share) for peak in peaks]
     drift = slow_share(residuals, noise)
     if total > 0.05 * noise**2 and drift >= DRIFTING:
         found.append(Band(Range("frequency_Hz", 0.0, SLOW, min(1.0, drift)), 4.0 * drift))
@@ -99,7 +105,7 @@ def resonances(group: Sequence[Residual], noise: float) -> list[Peak]:
     What is narrower than a spectrum's resolution shows as a peak in one that is finer.
     """
     found: list[Peak] = []
-    longest = shortest_stretch(group)  # the recordings allow no finer spectrum
+    longest = common_stretch(group)  # the recordings allow no finer spectrum
     for length in sorted({min(length, longest) for length in LENGTHS}):
         spectrum = spectrum_of(group, length)
         peaks = [] if spectrum is None else find_peaks(spectrum, noise)
@@ -216,6 +222,8 @@ def slow_share(residuals: Sequence[Residual], noise: float) -> float:
     gap = gap_energy(residuals, noise)
     taken = 0.0
     for residual in residuals:
+        if SLOW * residual.recording.duration < 1.0:
+            continue  # whatever it is, it is faster
         size = max(1, len(residual.error) // 1000)
         count = len(residual.error) // size
         means = residual.error[: count * size].reshape(count, size).mean(axis=1)

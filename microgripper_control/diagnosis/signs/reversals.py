@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.data.residuals import Residual
@@ -90,18 +91,22 @@ def widths_by_rate(residuals: Sequence[Residual]) -> Widths | None:
     if decades < 0.5:
         return None
     widths = np.array([-2.0 * float(np.mean((shape * error)[bin_of == b])) for b in bins])
-    log = np.log10(rate)
     # Each twentieth of a recording is left out in turn: neighbours are not independent.
-    slopes = np.array(
-        [
-            -2.0 * float(np.polyfit(log[piece != out], (shape * error)[piece != out], 1)[0])
-            for out in np.unique(piece)
-        ]
-    )
+    slopes = -2.0 * _slopes_without(piece, np.log10(rate), shape * error)
     count = len(slopes)
     scatter = float(np.sqrt((count - 1) / count * np.sum((slopes - np.mean(slopes)) ** 2)))
     growth = float(np.mean(slopes))
     return Widths(middles, widths, growth, abs(growth) / max(scatter, 1e-300), decades)
+
+
+def _slopes_without(piece: NDArray[np.int64], x: Array, y: Array) -> Array:
+    """The slope of a straight line through all points but those of one piece, for each piece."""
+    x, y = x - x.mean(), y - y.mean()
+    _, number = np.unique(piece, return_inverse=True)
+    sums = np.array([np.bincount(number, part) for part in (np.ones(len(x)), x, y, x * x, x * y)])
+    n, sx, sy, sxx, sxy = sums.sum(axis=1, keepdims=True) - sums
+    slopes: Array = (n * sxy - sx * sy) / (n * sxx - sx * sx)
+    return slopes
 
 
 def _reach(direction: Array) -> int:

@@ -14,10 +14,12 @@ from numpy.typing import NDArray
 from scipy.signal import detrend
 from scipy.signal.windows import hann
 
+from microgripper_control.core.recording import same_period
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.data.residuals import Residual
 
 SHORTEST = 64  # samples of a stretch that is looked at
+NEARLY_ALL = 0.9  # of the samples: so many lie in stretches of a common length or longer
 PADDING = 4  # times its length that a stretch is transformed with: finer steps along frequency
 
 
@@ -39,28 +41,29 @@ class Spectrum:
         """Hz between two frequencies."""
         return float(self.frequency[1] - self.frequency[0])
 
-    def power(self, low: float, high: float) -> float:
-        """Of the error between two frequencies, m^2."""
-        inside = (self.frequency >= low) & (self.frequency <= high)
-        return float(np.sum(self.error[inside])) * self.step
 
+def common_stretch(residuals: Sequence[Residual]) -> int:
+    """The samples of the shortest stretches but those that hold next to nothing; 0 for none.
 
-def shortest_stretch(residuals: Sequence[Residual]) -> int:
-    """The samples of the shortest stretch that is looked at; 0 for none."""
-    return min((r.stop - r.start for one in residuals for r in one.runs(SHORTEST)), default=0)
+    A sample that is missing cuts off few others: they do not make all of the spectrum coarse.
+    """
+    runs = [run for residual in residuals for run in residual.runs(SHORTEST)]
+    lengths = np.sort([run.stop - run.start for run in runs])[::-1]
+    held = np.cumsum(lengths)
+    return int(lengths[np.searchsorted(held, NEARLY_ALL * held[-1])]) if len(held) else 0
 
 
 def spectrum_of(residuals: Sequence[Residual], length: int | None = None) -> Spectrum | None:
     """The spectra of residuals of one sample period, by Welch's method; None for no stretch.
 
-    Stretches are cut to `length` samples, by default that of the shortest of them.
+    Stretches are cut to `length` samples, at most what nearly all of them have; it is the default.
     """
     period = residuals[0].period
     runs = [(residual, run) for residual in residuals for run in residual.runs(SHORTEST)]
     if not runs:
         return None
-    shortest = shortest_stretch(residuals)
-    size = shortest if length is None else min(length, shortest)
+    common = common_stretch(residuals)
+    size = common if length is None else min(length, common)
     window = hann(size, sym=False)
     scale = 2.0 * period / float(window @ window)
     padded = 1 << (PADDING * size - 1).bit_length()
@@ -93,5 +96,10 @@ def spectrum_of(residuals: Sequence[Residual], length: int | None = None) -> Spe
 
 def same_clock(residuals: Sequence[Residual]) -> list[list[Residual]]:
     """Residuals in groups of one sample period each."""
-    periods = sorted({residual.period for residual in residuals})
-    return [[one for one in residuals if one.period == period] for period in periods]
+    groups: list[list[Residual]] = []
+    for residual in sorted(residuals, key=lambda one: one.period):
+        if groups and same_period(groups[-1][0].period, residual.period):
+            groups[-1].append(residual)
+        else:
+            groups.append([residual])
+    return groups
