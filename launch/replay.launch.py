@@ -3,16 +3,10 @@
 With `out` the answer is recorded: what the model makes of the voltage the real rig got.
 """
 
-from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, RegisterEventHandler, Shutdown
-from launch.conditions import IfCondition
+from launch import Action, LaunchContext, LaunchDescription
+from launch.actions import DeclareLaunchArgument, OpaqueFunction, RegisterEventHandler, Shutdown
 from launch.event_handlers import OnProcessExit
-from launch.substitutions import (
-    LaunchConfiguration,
-    NotEqualsSubstitution,
-    PathJoinSubstitution,
-    PythonExpression,
-)
+from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 from launch_ros.substitutions import FindPackageShare
@@ -28,30 +22,6 @@ def enclave(node: str) -> list[str]:
 def generate_launch_description() -> LaunchDescription:
     """Start player and plant; they end with the recording."""
     config = PathJoinSubstitution([FindPackageShare(PACKAGE), "config"])
-    common = {
-        "package": PACKAGE,
-        "namespace": LaunchConfiguration("namespace"),
-        "output": "screen",
-    }
-    file = LaunchConfiguration("params_file")
-    out = LaunchConfiguration("out")
-
-    def partners(name: str) -> PythonExpression:
-        """With a recorder they wait for it, too, so that the bag begins with the first sample."""
-        return PythonExpression(["['", name, "'] + ['recorder'] * bool('", out, "')"])
-
-    player = Node(
-        executable="player",
-        ros_arguments=enclave("player"),
-        parameters=[
-            file,
-            # As it stands: YAML would make a date of 2026-07-01.
-            {"recording": ParameterValue(LaunchConfiguration("recording"), value_type=str)},
-            {"pace": "samples"},
-            {"partners": partners("plant_simulator")},
-        ],
-        **common,
-    )
     return LaunchDescription(
         [
             DeclareLaunchArgument("namespace", default_value="microgripper"),
@@ -60,21 +30,50 @@ def generate_launch_description() -> LaunchDescription:
             ),
             DeclareLaunchArgument("recording", description="bag or CSV"),
             DeclareLaunchArgument("out", default_value="", description="folder of the new bag"),
-            player,
-            Node(
-                executable="recorder",
-                ros_arguments=enclave("recorder"),
-                parameters=[file, {"out": ParameterValue(out, value_type=str)}],
-                condition=IfCondition(NotEqualsSubstitution(out, "")),
-                **common,
-            ),
-            Node(
-                executable="plant_simulator",
-                ros_arguments=enclave("plant_simulator"),
-                parameters=[file, {"lockstep": True, "partners": partners("player")}],
-                **common,
-            ),
-            # The recording has ended, or one of the nodes has failed.
-            RegisterEventHandler(OnProcessExit(on_exit=[Shutdown(reason="a node has ended")])),
+            OpaqueFunction(function=nodes),
         ]
     )
+
+
+def nodes(context: LaunchContext) -> list[Action]:
+    """The nodes; they wait for a recorder, too, so that the bag begins with the first sample."""
+    out = LaunchConfiguration("out")
+    recorders = ["recorder"] if out.perform(context) else []
+    common = {
+        "package": PACKAGE,
+        "namespace": LaunchConfiguration("namespace"),
+        "output": "screen",
+    }
+    file = LaunchConfiguration("params_file")
+    # As they stand: YAML would make a date of 2026-07-01.
+    recording = ParameterValue(LaunchConfiguration("recording"), value_type=str)
+    answer = ParameterValue(out, value_type=str)
+    return [
+        Node(
+            executable="player",
+            ros_arguments=enclave("player"),
+            parameters=[
+                file,
+                {"recording": recording, "pace": "samples"},
+                {"partners": ["plant_simulator", *recorders]},
+            ],
+            **common,
+        ),
+        *(
+            Node(
+                executable=name,
+                ros_arguments=enclave(name),
+                parameters=[file, {"out": answer}],
+                **common,
+            )
+            for name in recorders
+        ),
+        Node(
+            executable="plant_simulator",
+            ros_arguments=enclave("plant_simulator"),
+            parameters=[file, {"lockstep": True, "partners": ["player", *recorders]}],
+            **common,
+        ),
+        # The recording has ended, or one of the nodes has failed.
+        RegisterEventHandler(OnProcessExit(on_exit=[Shutdown(reason="a node has ended")])),
+    ]

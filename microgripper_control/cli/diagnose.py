@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
@@ -21,6 +22,7 @@ from microgripper_control.cli.options import (
     read_model,
 )
 from microgripper_control.cli.progress import Show, progress_bar
+from microgripper_control.cli.stopping import sigterm_as_interrupt
 from microgripper_control.cli.tables import print_table
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.files import check_place
@@ -79,7 +81,7 @@ def diagnose(
 ) -> None:
     """Say where simulation and rig differ, which effect causes it and how far it shrinks."""
     judging = heldout or []
-    twice = {path.resolve() for path in recordings} & {path.resolve() for path in judging}
+    twice = {*map(os.path.realpath, recordings)} & {*map(os.path.realpath, judging)}
     if twice:
         raise MicrogripperError(
             f"{HELDOUT}: {min(twice)} is also given to be fitted; give it one way only"
@@ -91,7 +93,11 @@ def diagnose(
     given, kept_apart = read_all(recordings, nominal, maps), read_all(judging, nominal, maps)
     refuse_twice([*given, *kept_apart])
     conditions = Conditions(hold, initial)
-    with cluster(scheduler), progress_bar("nominal model, refit and noise floor") as show_step:
+    with (
+        sigterm_as_interrupt(),
+        cluster(scheduler),
+        progress_bar("nominal model, refit and noise floor") as show_step,
+    ):
         found = find_causes(
             nominal, given, kept_apart, conditions, trying(show_step), jobs, left_out
         )

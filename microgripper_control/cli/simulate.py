@@ -19,7 +19,9 @@ from microgripper_control.cli.options import (
     read_all,
     read_model,
 )
+from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.files import check_place, written_whole
+from microgripper_control.core.recording import Recording
 from microgripper_control.identification.nuisance import (
     Conditions,
     Nuisance,
@@ -60,19 +62,21 @@ def simulate(
     given = read_all([recording], rig, maps, needs_displacement=False)[0]
     conditions = Conditions(hold, initial)
     counted = given.explained
-    if given.displacement is not None and nuisance is NuisanceFit.FIT:
-        prediction, counted, _ = heldout_prediction(rig, given, conditions)
-    else:
-        prediction = predict(rig, given, conditions, Nuisance())
+    with np.errstate(all="ignore"):  # what a damaged file holds may overflow: it is told
+        if given.displacement is not None and nuisance is NuisanceFit.FIT:
+            prediction, counted, _ = heldout_prediction(rig, given, conditions)
+        else:
+            prediction = predict(rig, given, conditions, Nuisance())
     refuse_divergence(given, prediction)
+    summary = _summary(given, prediction, counted)
     recorded = given.present  # one row for each sample that was recorded, none for those filled in
     with written_whole(out) as file:
         file.write("time_s,displacement_m\n")
         for time, value in zip(given.time[recorded], prediction[recorded], strict=True):
             file.write(f"{time:.9f},{float(value)!r}\n")
-    summary = _summary(given.displacement, prediction, counted)
     if json_:
-        typer.echo(json.dumps({"recording": given.name, "predicted": str(out), **summary}))
+        result = {"recording": given.name, "predicted": str(out), **summary}
+        typer.echo(json.dumps(result, allow_nan=False))
         return
     typer.echo(f"{np.count_nonzero(recorded)} samples predicted: {out}")
     if summary:
@@ -81,11 +85,16 @@ def simulate(
         typer.echo(f"error {1e9 * summary['rmse_m']:.1f} nm rms{of_span}")
 
 
-def _summary(
-    measured: np.ndarray | None, prediction: np.ndarray, counted: np.ndarray
-) -> dict[str, float]:
+@np.errstate(all="ignore")  # what a damaged file holds may overflow: it is told
+def _summary(recording: Recording, prediction: np.ndarray, counted: np.ndarray) -> dict[str, float]:
+    measured = recording.displacement
     if measured is None:
         return {}
     rmse = float(np.sqrt(np.mean((measured - prediction)[counted] ** 2)))
     span = float(np.ptp(measured))
+    if not np.isfinite([rmse, span]).all():
+        raise MicrogripperError(
+            f"{recording.name}: displacement goes to {np.max(np.abs(measured)):.3g} m, too far for "
+            "an error; is it in metres? --map displacement=NAME*SCALE"
+        )
     return {"rmse_m": rmse, **({"relative_rmse": rmse / span} if span > 0.0 else {})}

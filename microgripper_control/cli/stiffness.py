@@ -24,7 +24,7 @@ def stiffness(
 ) -> None:
     """Fit a flexure's stiffness to measured forces and displacements (section 4 of the paper)."""
     table = Table.opened(data, ",".join(COLUMNS))
-    force, displacement = table.numbers([table.column(name) for name in COLUMNS]).values.T
+    force, displacement = table.whole_numbers([table.column(name) for name in COLUMNS]).T
     found = fit_stiffness(force, displacement, str(data))
     if json_:
         typer.echo(json.dumps({"schema": "microgripper-stiffness/1", **asdict(found)}))

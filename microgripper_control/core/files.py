@@ -34,7 +34,7 @@ def check_place(path: str | Path, given: Iterable[str | Path] = ()) -> None:
     that it is made from.
     """
     path = _behind(Path(path))
-    if any(path.resolve() == Path(one).resolve() for one in given):
+    if any(os.path.realpath(path) == os.path.realpath(one) for one in given):
         raise MicrogripperError(f"{path}: would overwrite what is read; give another name")
     missing = _missing(path.parent)
     make_folder(path.parent)
@@ -50,6 +50,14 @@ def check_place(path: str | Path, given: Iterable[str | Path] = ()) -> None:
         raise MicrogripperError(f"{path}: is {kind}; give the name of a file")
 
 
+def refuse_pipe(path: Path) -> None:
+    """Raise MicrogripperError where a path names neither a file nor a folder: it is read twice."""
+    if path.exists() and not (path.is_file() or path.is_dir()):
+        raise MicrogripperError(
+            f"{path}: is a pipe or a device, and it is read more than once; save it to a file first"
+        )
+
+
 def _missing(folder: Path) -> list[Path]:
     """A folder and those above it, as far as they are not there."""
     try:
@@ -61,9 +69,18 @@ def _missing(folder: Path) -> list[Path]:
 def _behind(path: Path) -> Path:
     """What a link points to, which is written while the link stays; else the path itself."""
     try:
-        return path.resolve() if path.is_symlink() else path
+        return Path(os.path.realpath(path)) if path.is_symlink() else path
     except OSError:
         return path  # told where it is written
+
+
+def _mode(path: Path) -> int:
+    """Who may read and write a file: as it was, or as the process makes new ones."""
+    if path.exists():
+        return path.stat().st_mode & 0o777
+    mask = os.umask(0o077)
+    os.umask(mask)
+    return 0o666 & ~mask
 
 
 @contextmanager
@@ -86,7 +103,7 @@ def written_whole(path: str | Path) -> Iterator[TextIO]:
             yield file
             file.flush()
             os.fsync(file.fileno())
-        temporary.chmod(0o644)
+        temporary.chmod(_mode(path))
         temporary.replace(path)
     except BaseException as error:
         temporary.unlink(missing_ok=True)

@@ -17,6 +17,7 @@ from typing import NamedTuple, TextIO
 import numpy as np
 
 from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.files import refuse_pipe
 from microgripper_control.core.signals import Array
 
 DELIMITERS = ",;\t"
@@ -47,10 +48,12 @@ class Table:
         """
         path = Path(path)
         with _readable(path):
+            refuse_pipe(path)
             with _text(path) as file:
                 line = file.readline(LONGEST_HEADER)
             if not line.strip():
-                raise MicrogripperError(f"{path}: is empty; expected a header such as {usual}")
+                wrong = "line 1 is blank" if line else "is empty"
+                raise MicrogripperError(f"{path}: {wrong}; expected a header such as {usual}")
             if "\0" in line or "\ufffd\ufffd" in line:
                 raise MicrogripperError(f"{path}: is neither a rosbag2 nor a CSV in UTF-8")
             delimiter = max(DELIMITERS, key=line.count)  # of as many the first
@@ -61,7 +64,7 @@ class Table:
                     f"as {usual}"
                 )
             table = cls(path, header, delimiter)
-            table._check_width()
+            table._check_width(usual)
             return table
 
     def column(self, name: str) -> int:
@@ -100,6 +103,15 @@ class Table:
             if ended or rows.cut or _goes_on(rows.values):
                 return rows
             return Rows(rows.values[:-1], cut=True)
+
+    def whole_numbers(self, columns: Sequence[int]) -> Array:
+        """As `numbers`; MicrogripperError where the last line was cut off as well."""
+        rows = self.numbers(columns)
+        if rows.cut:
+            raise MicrogripperError(
+                f"{self.path}: the last line has no end and looks cut off; complete or remove it"
+            )
+        return rows.values
 
     def _row_by_row(self, columns: Sequence[int], sparse: int | None, *, ended: bool) -> Rows:
         """As `numbers`, slower, but able to name what is wrong and to leave out what may be."""
@@ -140,7 +152,7 @@ class Table:
                 f"{where}: {cell!r:.40} in column {self.header[at]!r} is not a number"
             ) from None
 
-    def _check_width(self) -> None:
+    def _check_width(self, usual: str) -> None:
         """Raise MicrogripperError if a row has more cells than names: 5,002 is two of them.
 
         The first and the last are looked at: one of them may have whole numbers only.
@@ -159,9 +171,9 @@ class Table:
             for which, row in ((f"line {reader.line_num}", first), ("the last line", last)):
                 if any(cell.strip() for cell in row[len(self.header) :]):
                     raise MicrogripperError(
-                        f"{self.path}: {which}: {len(row)} cells, the header has "
-                        f"{len(self.header)}; with decimal commas, separate the columns by "
-                        "semicolons and write points"
+                        f"{self.path}: {which}: {len(row)} cells, the header in line 1 has "
+                        f"{len(self.header)}; line 1 should be such as {usual}, and numbers have "
+                        "decimal points, no commas"
                     )
 
     def _end(self) -> str:

@@ -9,6 +9,7 @@ found, stands in `/diagnostics` and in the log. The node takes no part in the co
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Iterator
 from dataclasses import replace
@@ -33,6 +34,7 @@ from microgripper_control.nodes.parameters import (
     MODEL_FILE,
     MODEL_FILE_TEXT,
     declare_number,
+    declare_path,
     declare_text,
     follow_changes,
     model_path,
@@ -65,8 +67,8 @@ class Diagnoser(Shell):
         publish_rate = declare_number(self, PUBLISH_RATE, read_only=True)
         declare_number(self, WARN_RATIO)
         declare_number(self, LEAST_GAP)
-        out = declare_text(self, "out", "diagnosis", "folder for a diagnosis", read_only=True)
-        self._out = Path(out).expanduser().resolve()
+        out = declare_path(self, "out", "diagnosis", "folder for a diagnosis")
+        self._out = Path(os.path.realpath(out))
         self._model_file, model = self._checked({"model_file": name})
         self._job: DiagnosisJob | None = None
         self._concluded = "none yet"

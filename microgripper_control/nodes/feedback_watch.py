@@ -4,7 +4,8 @@ Two clocks are compared that need not agree: the stamps' and this process's mono
 their difference was at best in the last seconds is the fastest way from the plant to here; a sample
 that took `limit` longer is too old. Stamps that come from the future, or run backwards, are not
 believed either, unless several in a row agree: then somebody has set the clock, or the plant was
-started again, and time goes on from there.
+started again, and time goes on from there. So it does after a pause of several windows: by then
+the two clocks may have drifted apart, and several in a row tell what the fastest way is now.
 """
 
 from __future__ import annotations
@@ -15,7 +16,8 @@ import math
 from microgripper_control.nodes.silence import Silence
 
 AGREE = 5  # samples in a row that make a new time
-WINDOW = 5.0  # s; the fastest way is looked for in the last one or two of these
+WINDOW = 5.0  # s; the fastest way is looked for in the last one or two of these,
+LONG_PAUSE = 2.0 * WINDOW  # without any sample: it is looked for anew
 
 
 class Verdict(str, enum.Enum):
@@ -47,6 +49,7 @@ class FeedbackWatch:
         self._reason = ""
         self._stamp = 0  # of the newest fresh sample, ns
         self._heard = -math.inf  # when it came, s
+        self._came = -math.inf  # when the newest sample of all came, s
         self._fastest = _Fastest()
         self._other = _Other(limit)
 
@@ -100,17 +103,20 @@ class FeedbackWatch:
     def _judge(self, stamp: int, finite: bool, now: float) -> Verdict:
         if not finite:
             return Verdict.UNUSABLE
+        if now - self._came > LONG_PAUSE:
+            self._fastest = _Fastest()
+        self._came = now
         offset = now - stamp * 1e-9
         if self.begun:
             if stamp == self._stamp:
                 return Verdict.REPEATED
-            age = offset - self._fastest.offset(now)
+            age = offset - self._fastest.offset
             if age > self.limit and stamp > self._stamp:
                 return Verdict.LATE
             if stamp < self._stamp or age < -self.limit:
                 if not self._other.agrees(stamp, offset):
                     return Verdict.OUT_OF_TIME
-                self.jumps += 1
+                self.jumps += math.isfinite(self._fastest.offset)
                 self._stamp = stamp  # so that no tick counts as missed
                 self._fastest = _Fastest()
         self._other.forget()
@@ -119,7 +125,7 @@ class FeedbackWatch:
 
 
 class _Fastest:
-    """The smallest offset, s, of the last one or two windows."""
+    """The smallest offset, s, of the last one or two windows; infinite if none was noted."""
 
     def __init__(self) -> None:
         self._before = self._present = math.inf
@@ -130,7 +136,8 @@ class _Fastest:
             self._before, self._present, self._since = self._present, math.inf, now
         self._present = min(self._present, offset)
 
-    def offset(self, now: float) -> float:
+    @property
+    def offset(self) -> float:
         return min(self._before, self._present)
 
 

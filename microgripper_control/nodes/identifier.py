@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from concurrent.futures import Future
-from pathlib import Path
 from threading import Thread
 
 from rclpy.parameter import Parameter as RosParameter
@@ -27,8 +26,10 @@ from microgripper_control.nodes.parameters import (
     MODEL_FILE,
     MODEL_FILE_TEXT,
     declare_number,
+    declare_path,
     declare_text,
     declare_texts,
+    expanded,
     model_path,
 )
 from microgripper_control.nodes.shell import POLL, Shell, run
@@ -46,11 +47,10 @@ class Identifier(Shell):
 
     def __init__(self) -> None:
         super().__init__("identifier")
-        self._recordings = declare_texts(self, "recordings", [], "bags or CSV files of the rig")
+        names = declare_texts(self, "recordings", [], "bags or CSV files of the rig")
+        self._recordings = [expanded("recordings", name) for name in names]
         self._model = declare_text(self, "model_file", MODEL_FILE, MODEL_FILE_TEXT, read_only=True)
-        self._out = Path(
-            declare_text(self, "out", "identified.yaml", "file to write", read_only=True)
-        )
+        self._out = declare_path(self, "out", "identified.yaml", "file to write")
         self._hold = declare_text(
             self,
             "hold",

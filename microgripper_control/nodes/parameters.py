@@ -67,6 +67,20 @@ def declare_text(
     return value
 
 
+def declare_path(node: Node, name: str, default: str, description: str) -> Path:
+    """Declare a path that cannot be changed while the node runs; `~` is somebody's home."""
+    text = declare_text(node, name, default, description, read_only=True)
+    return expanded(name, text)
+
+
+def expanded(name: str, text: str) -> Path:
+    """The path that the value of a parameter means; MicrogripperError if there is no such home."""
+    try:
+        return Path(text).expanduser()
+    except RuntimeError as error:
+        raise MicrogripperError(f"{name}: {text!r:.60}: {error!s:.120}") from None
+
+
 def declare_flag(
     node: Node, name: str, default: bool, description: str, *, read_only: bool = False
 ) -> bool:

@@ -54,6 +54,7 @@ class PlantSimulator(ManagedShell):
         self._since = self._began = time.monotonic()
         self._origin = 0  # stamp of tick 0, ns
         if not self._lockstep:
+            self._guard.begin(self._rig.voltage)
             self._commands.open(reliable=False)
             self._origin = self.get_clock().now().nanoseconds - self._age(self._tick)
             self._pace = Pace(1.0 / self._rate, self._since)

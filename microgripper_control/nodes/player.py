@@ -14,7 +14,12 @@ from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.nodes import topics
 from microgripper_control.nodes.health import Health
-from microgripper_control.nodes.parameters import declare_number, declare_text, declare_texts
+from microgripper_control.nodes.parameters import (
+    declare_number,
+    declare_path,
+    declare_text,
+    declare_texts,
+)
 from microgripper_control.nodes.playing import AsAnswers, AsRecorded, Playing
 from microgripper_control.nodes.shell import POLL, Shell, run
 
@@ -27,7 +32,7 @@ class Player(Shell):
 
     def __init__(self) -> None:
         super().__init__("player")
-        recording = declare_text(self, "recording", "", "bag or CSV to play", read_only=True)
+        recording = declare_path(self, "recording", "", "bag or CSV to play")
         pace = declare_text(
             self,
             "pace",
@@ -42,13 +47,13 @@ class Player(Shell):
             self, "partners", [], "names of the nodes that must get what is played"
         )
         speed = declare_number(self, RATE, read_only=True)
-        if not recording:
+        if recording == Path():
             raise MicrogripperError("recording is empty; name a bag, -p recording:=PATH")
         self._playing: Playing
         if pace == SAMPLES:
-            self._playing = AsAnswers(self, Path(recording))
+            self._playing = AsAnswers(self, recording)
         else:
-            self._playing = AsRecorded(self, Path(recording), wanted, speed)
+            self._playing = AsRecorded(self, recording, wanted, speed)
         self._begun = False
 
     def work(self, now: float) -> float:

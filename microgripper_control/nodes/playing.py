@@ -18,6 +18,7 @@ from microgripper_control.nodes import qos, topics
 from microgripper_control.nodes.pacing import SampleNumber
 from microgripper_control.nodes.shell import POLL
 from microgripper_control.recordings.bag import Bag
+from microgripper_control.recordings.offered_qos import offered
 from microgripper_control.recordings.read import read_recording
 
 TELLING = 20  # samples whose stamps tell the plant's rate
@@ -50,14 +51,18 @@ class AsRecorded:
     def __init__(self, node: Node, path: Path, wanted: Sequence[str], speed: float) -> None:
         self._bag = Bag(path)
         present = {topic.name: topic for topic in self._bag.topics}
+        if not present:
+            raise MicrogripperError(f"{path}: has no messages; record it again")
         absent = [name for name in wanted if name not in present]
-        if absent or not present:
-            listed = ", ".join(map(str, self._bag.topics)) or "no topics"
+        if absent:
+            listed = ", ".join(map(str, self._bag.topics))
             raise MicrogripperError(f"{path}: no topic {', '.join(absent)}; it has {listed}")
         chosen = [present[name] for name in wanted] or list(present.values())
         self._by_name = {
             topic.name: node.create_publisher(
-                topics.type_named(topic.type), topic.name, qos.quality(qos.KEPT)
+                topics.type_named(topic.type),
+                topic.name,
+                qos.quality(qos.KEPT, latched=offered(topic.qos).latched),
             )
             for topic in chosen
         }

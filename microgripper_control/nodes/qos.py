@@ -21,14 +21,23 @@ middleware then reports is counted, and is in the node's health.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from weakref import WeakKeyDictionary
 
 from rclpy.duration import Duration
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.node import Node
-from rclpy.qos import HistoryPolicy, LivelinessPolicy, QoSPolicyKind, QoSProfile, ReliabilityPolicy
+from rclpy.qos import (
+    DurabilityPolicy,
+    HistoryPolicy,
+    LivelinessPolicy,
+    QoSPolicyKind,
+    QoSProfile,
+    ReliabilityPolicy,
+)
 from rclpy.qos_overriding_options import QoSOverridingOptions
+
+from microgripper_control.recordings.offered_qos import Offered
 
 KEPT = 5000  # messages
 LEASE = 1.0  # s
@@ -41,14 +50,27 @@ OVERRIDABLE = (
     QoSPolicyKind.LIVELINESS,
     QoSPolicyKind.LIVELINESS_LEASE_DURATION,
 )
+OFFERED = (QoSPolicyKind.RELIABILITY, QoSPolicyKind.DURABILITY)
 
 _counters: WeakKeyDictionary[Node, Counter[str]] = WeakKeyDictionary()
 
 
-def quality(depth: int, *, reliable: bool = True) -> QoSProfile:
+def quality(depth: int, *, reliable: bool = True, latched: bool = False) -> QoSProfile:
     """A new profile: rclpy writes the user's overrides into the one it is given."""
-    reliability = ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT
-    return QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=depth, reliability=reliability)
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_LAST,
+        depth=depth,
+        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+    )
+
+
+def offered_by(profiles: Sequence[QoSProfile]) -> Offered:
+    """What all publishers with these profiles offer."""
+    return Offered(
+        reliable=all(one.reliability is ReliabilityPolicy.RELIABLE for one in profiles),
+        latched=all(one.durability is DurabilityPolicy.TRANSIENT_LOCAL for one in profiles),
+    )
 
 
 def offer(deadline: float | None = None) -> QoSProfile:
@@ -61,9 +83,9 @@ def offer(deadline: float | None = None) -> QoSProfile:
     return profile
 
 
-def overridable(*, reliability: bool = True) -> QoSOverridingOptions:
-    """All that the standard `qos_overrides` parameters may override."""
-    kinds = [k for k in OVERRIDABLE if reliability or k is not QoSPolicyKind.RELIABILITY]
+def overridable(*, as_offered: bool = False) -> QoSOverridingOptions:
+    """What the standard `qos_overrides` may override: all, or all that is not `as_offered`."""
+    kinds = [kind for kind in OVERRIDABLE if not (as_offered and kind in OFFERED)]
     return QoSOverridingOptions(kinds)
 
 

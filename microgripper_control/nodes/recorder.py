@@ -1,9 +1,10 @@
 """Records topics into a rosbag2, serialized as they come.
 
-A topic is subscribed to as soon as somebody publishes on it, reliably unless a publisher offers
-less. The messages are taken in batches, past the executor, which would spend a callback on each.
-They are stored under the time at which they were published: that they were received in the same
-order is not certain, and of a sample and the setpoint that answers it the order matters.
+A topic is subscribed to as soon as somebody publishes on it, reliably and with what was sent before
+unless a publisher offers less; what they offered is in the bag, too. The messages are taken in
+batches, past the executor, which would spend a callback on each. They are stored under the time at
+which they were published: that they were received in the same order is not certain, and of a sample
+and the setpoint that answers it the order matters.
 
 The bag is flushed every half second, so that no more than that dies with the process, and completed
 on SIGINT and SIGTERM. Two kinds of loss are told apart: messages that were published and did not
@@ -19,16 +20,16 @@ from collections.abc import Iterator
 from datetime import datetime
 from operator import itemgetter
 
-from rclpy.qos import ReliabilityPolicy
 from rclpy.subscription import Subscription
 
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.nodes import qos, topics
 from microgripper_control.nodes.health import Health, Level
-from microgripper_control.nodes.parameters import declare_text, declare_texts
+from microgripper_control.nodes.parameters import declare_path, declare_text, declare_texts
 from microgripper_control.nodes.shell import Shell, run
 from microgripper_control.recordings.bag_writer import STORAGES, BagWriter
 from microgripper_control.recordings.losses import Sequence, StampedSamples
+from microgripper_control.recordings.offered_qos import Offered
 
 USUAL_TOPICS = (
     topics.JOINT_STATES,
@@ -50,7 +51,7 @@ class Recorder(Shell):
     def __init__(self) -> None:
         super().__init__("recorder")
         name = datetime.now().strftime("recording_%Y_%m_%d-%H_%M_%S")
-        folder = declare_text(self, "out", name, "folder of the bag, a new one", read_only=True)
+        folder = declare_path(self, "out", name, "folder of the bag, a new one")
         storage = declare_text(
             self, "storage", "mcap", "format of the bag", choices=list(STORAGES), read_only=True
         )
@@ -115,7 +116,8 @@ class Recorder(Shell):
             return True
         if topic not in self._refused:
             try:
-                self._bag.add_topic(topic, self._kinds[topic])
+                profile = qos.offered_by([self._taken[topic].qos_profile]).as_yaml(qos.KEPT)
+                self._bag.add_topic(topic, self._kinds[topic], profile)
             except MicrogripperError as error:
                 if self._bag.broken:
                     raise
@@ -139,30 +141,33 @@ class Recorder(Shell):
         """Subscribe where that was not done, or not so that messages would come."""
         if topic in self._refused:
             return
-        for publisher in self.get_publishers_info_by_topic(topic):
-            reliable = publisher.qos_profile.reliability is ReliabilityPolicy.RELIABLE
-            present = self._taken.get(topic)
-            if present is None:
-                self._kinds[topic] = publisher.topic_type
-                try:
-                    self._subscribe(topic, reliable=reliable)
-                except MicrogripperError as error:
-                    self._refuse(topic, error)
-                    return
-            elif not reliable and present.qos_profile.reliability is ReliabilityPolicy.RELIABLE:
-                self.destroy_subscription(present)
-                self._subscribe(topic, reliable=False)
+        publishers = self.get_publishers_info_by_topic(topic)
+        if not publishers:
+            return
+        self._kinds.setdefault(topic, publishers[0].topic_type)
+        profiles = [publisher.qos_profile for publisher in publishers]
+        present = self._taken.get(topic)
+        if present is None:
+            try:
+                self._subscribe(topic, qos.offered_by(profiles))
+            except MicrogripperError as error:
+                self._refuse(topic, error)
+            return
+        wanted = qos.offered_by([present.qos_profile])
+        if (less := qos.offered_by([present.qos_profile, *profiles])) != wanted:
+            self.destroy_subscription(present)
+            self._subscribe(topic, less)
 
-    def _subscribe(self, topic: str, *, reliable: bool) -> None:
+    def _subscribe(self, topic: str, offered: Offered) -> None:
         kind = topics.type_named(self._kinds[topic])
-        quality = qos.quality(qos.KEPT, reliable=reliable)
+        quality = qos.quality(qos.KEPT, reliable=offered.reliable, latched=offered.latched)
         self._taken[topic] = self.create_subscription(
             kind,
             topic,
             topics.never_called,
             quality,
             event_callbacks=qos.subscription_events(self, topic),
-            qos_overriding_options=qos.overridable(reliability=False),  # that of the publisher
+            qos_overriding_options=qos.overridable(as_offered=True),
             raw=True,
         )
 

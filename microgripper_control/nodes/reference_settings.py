@@ -17,7 +17,12 @@ from rclpy.node import Node
 from microgripper_control.control.setpoints import SETPOINTS, Sequence, Setpoint, read_recorded
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.parameters import Parameter
-from microgripper_control.nodes.parameters import declare_number, declare_text, declare_texts
+from microgripper_control.nodes.parameters import (
+    declare_number,
+    declare_path,
+    declare_text,
+    declare_texts,
+)
 
 CSV = "csv"
 SHAPES = (*SETPOINTS, CSV)
@@ -51,7 +56,7 @@ def _declare_shape(node: Node, prefix: str, sample_period: float) -> tuple[Setpo
     )
     length = declare_number(node, replace(LENGTH, name=f"{prefix}length"), read_only=True)
     if name == CSV:
-        file = declare_text(node, f"{prefix}file", "", "CSV with time_s", read_only=True)
+        file = declare_path(node, f"{prefix}file", "", "CSV with time_s")
         column = declare_text(node, f"{prefix}column", "", "the values' column", read_only=True)
         recorded = read_recorded(file, column or None)
         return recorded, length or float(recorded.times[-1]) + sample_period

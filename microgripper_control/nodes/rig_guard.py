@@ -23,12 +23,17 @@ class RigGuard:
 
     def __init__(self, guard: VoltageGuard, limit: float, voltage: float) -> None:
         self._guard = guard
-        self._guard.start(voltage)
-        self._silence = Silence(limit)
-        self._command = guard.limits.safe
-        self.acting = limit > 0.0
-        self.heard = self.silent = False
+        self._limit = limit
         self.takeovers = 0
+        self.begin(voltage)
+
+    def begin(self, voltage: float) -> None:
+        """Begin, or begin again, at `voltage`, V, as if nothing had been commanded yet."""
+        self._guard.start(voltage)
+        self._silence = Silence(self._limit)
+        self._command = self.safe
+        self.acting = self._limit > 0.0
+        self.heard = self.silent = False
 
     @property
     def safe(self) -> float:

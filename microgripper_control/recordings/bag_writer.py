@@ -57,14 +57,14 @@ class BagWriter:
         if storage not in STORAGES:
             known = ", ".join(STORAGES)
             raise MicrogripperError(f"{path}: unknown storage {storage!r}; known are {known}")
-        if self.path.exists():
-            raise MicrogripperError(f"{path}: exists already; recordings are not overwritten")
         self.broken = False  # nothing more can be written
         self._types = get_typestore(Stores.ROS2_JAZZY)
         self._topics: dict[str, Connection] = {}
-        self._writer = Writer(self.path, version=VERSION, storage_plugin=STORAGES[storage])
-        self._writer.STORAGE_PLUGINS = PLUGINS
         with self._writing():
+            if self.path.exists():
+                raise MicrogripperError(f"{path}: exists already; recordings are not overwritten")
+            self._writer = Writer(self.path, version=VERSION, storage_plugin=STORAGES[storage])
+            self._writer.STORAGE_PLUGINS = PLUGINS
             self._writer.open()
             self._lock = FolderLock(self.path)
             if isinstance(self._writer.storage, Sqlite3Writer):

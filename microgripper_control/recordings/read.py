@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.files import refuse_pipe
 from microgripper_control.core.recording import Recording
 from microgripper_control.recordings import mcap, sqlite
 from microgripper_control.recordings.bag import ROS1_MAGIC, SUFFIXES
@@ -26,6 +27,7 @@ def read_recording(
     try:
         if not path.exists():
             raise MicrogripperError(f"{path}: does not exist; give a rosbag2 folder or a CSV file")
+        refuse_pipe(path)
         is_bag = path.is_dir() or _looks_like_a_bag(path)
     except OSError as error:
         raise MicrogripperError(f"{path}: cannot be read: {error.strerror}") from None

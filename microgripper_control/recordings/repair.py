@@ -45,17 +45,17 @@ def repair_bag(path: str | Path, progress: OnProgress = lambda stage: None) -> R
     Raises MicrogripperError where nothing of it can be read, it is being recorded, the original of
     an earlier repair is in the way, or the new bag cannot be written; then nothing has changed.
     """
-    path = Path(path).resolve()
+    path = Path(os.path.realpath(path))
     kept, workshop = path.with_name(path.name + KEPT), path.with_name(f".{path.name}.repairing")
-    if not path.exists() and kept.is_dir():
-        kept.rename(path)  # a repair was cut off between its last two steps
-    if path.is_file():
-        raise MicrogripperError(
-            f"{path}: is one file of a bag; give its folder, or put it into a folder of its own"
-        )
-    if not path.is_dir():
-        raise MicrogripperError(f"{path}: does not exist")
     try:
+        if not path.exists() and kept.is_dir():
+            kept.rename(path)  # a repair was cut off between its last two steps
+        if path.is_file():
+            raise MicrogripperError(
+                f"{path}: is one file of a bag; give its folder, or put it into a folder of its own"
+            )
+        if not path.is_dir():
+            raise MicrogripperError(f"{path}: does not exist")
         with closing(FolderLock(path)), Bag(path) as bag:
             shutil.rmtree(workshop, ignore_errors=True)  # of a repair that was cut off
             found = _count(bag, progress)

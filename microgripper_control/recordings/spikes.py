@@ -29,6 +29,7 @@ FASTEST = 0.01  # of the samples tell how far the rig goes for a volt,
 ANSWER = 3  # samples later, or less
 
 
+@np.errstate(all="ignore")  # what a damaged file holds may overflow
 def spikes(voltage: Array, displacement: Array) -> NDArray[np.intp]:
     """Where readings, m, shape (n,), are spikes while the voltage, V, is applied."""
     off = np.abs(displacement[1:-1] - 0.5 * (displacement[:-2] + displacement[2:]))

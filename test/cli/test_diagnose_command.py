@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import html
 import json
+import subprocess
+import sys
+import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -20,6 +23,7 @@ from microgripper_control.plant.simulate import Initial, simulate
 
 Run = Callable[..., Any]
 PERIOD, NOISE = 1e-3, 5e-9
+PATIENCE = 120.0  # s
 TIME = PERIOD * np.arange(2000)
 # A whole period, rough enough for the samples to show how the voltage runs between them.
 VOLTAGE = 75.0 + sum(
@@ -103,6 +107,23 @@ def test_what_no_effect_that_is_tried_explains_is_unknown(
     assert {one["effect"] for one in others} == {*tried, "none", "parameters"}
     bands = [place for place in found["where"] if place["axis"] == "frequency_Hz"]
     assert any(band["low"] <= 50.0 <= band["high"] for band in bands)
+
+
+def test_one_that_is_asked_to_end_ends_its_workers(
+    model: Path, straight: Path, tmp_path: Path
+) -> None:
+    words = ("diagnose", straight, "--model", model, "--out", tmp_path / "out", "--jobs", 2)
+    command = [sys.executable, "-m", "microgripper_control", *map(str, words)]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+    deadline = time.monotonic() + PATIENCE
+    while len(children.read_text().split()) < 3:  # two workers and one that tidies up
+        assert time.monotonic() < deadline
+        assert process.poll() is None
+        time.sleep(0.05)
+    process.terminate()
+    process.communicate(timeout=PATIENCE)  # workers that go on would keep its output open
+    assert process.returncode == 130
 
 
 def refused(microgripper: Run, out: Path, *words: object) -> str:

@@ -71,6 +71,18 @@ def test_the_recordings_own_zero_is_fitted_unless_told_not_to(
     assert plain["rmse_m"] == pytest.approx(5e-6, rel=1e-6)
 
 
+def test_readings_too_far_for_an_error_are_told(
+    microgripper: Run, model: Path, tmp_path: Path
+) -> None:
+    far = np.where(np.arange(len(VOLTAGE)) % 2, 1e308, -1e308)
+    path = write(tmp_path / "run.csv", VOLTAGE, far, header="time_s,voltage_V,displacement_m")
+    done = microgripper("simulate", "--model", model, path, "--out", tmp_path / "p.csv", "--json")
+    assert (done.status, done.out) == (2, "")
+    assert done.err.count("\n") == 1
+    assert "run.csv: displacement goes to 1e+308 m, too far for an error" in done.err
+    assert not (tmp_path / "p.csv").exists()
+
+
 def test_samples_that_were_missing_get_no_row(
     microgripper: Run, model: Path, tmp_path: Path
 ) -> None:

@@ -36,6 +36,10 @@ def test_the_stiffness_of_a_csv(microgripper: Run, data: Path) -> None:
     ("content", "says"),
     [
         ("", "is empty; expected a header such as force_N,displacement_m"),
+        (
+            "force_N,displacement_m\n" + "\n".join([*["1,2"] * 12, "1,900"]),
+            "the last line has no end and looks cut off",
+        ),
         ("force,displacement_m\n1,2\n", "no columns named 'force_N'"),
         ("force_N,displacement_m\n1,a\n", "'a' in column 'displacement_m' is not a number"),
         ("force_N,displacement_m\n1,2\n2,3\n", "at least 3 pairs"),

@@ -31,6 +31,29 @@ def test_a_file_that_is_left_unfinished_leaves_the_one_before(tmp_path: Path) ->
     assert list(tmp_path.iterdir()) == [path]
 
 
+def test_who_may_read_it_is_as_it_was_or_as_the_process_has_it(tmp_path: Path) -> None:
+    new, old = tmp_path / "new.csv", tmp_path / "old.csv"
+    old.touch()
+    old.chmod(0o640)
+    before = os.umask(0o077)
+    try:
+        for path in (new, old):
+            with written_whole(path) as file:
+                file.write("text")
+    finally:
+        os.umask(before)
+    assert [path.stat().st_mode & 0o777 for path in (new, old)] == [0o600, 0o640]
+
+
+def test_a_link_to_itself_gives_way(tmp_path: Path) -> None:
+    loop = tmp_path / "loop"
+    loop.symlink_to(loop)
+    check_place(loop, [tmp_path / "other"])
+    with written_whole(loop) as file:
+        file.write("text")
+    assert loop.read_text() == "text"
+
+
 def test_a_result_does_not_replace_what_it_is_made_from(tmp_path: Path) -> None:
     with pytest.raises(MicrogripperError, match="would overwrite what is read"):
         check_place(tmp_path / "run.csv", [tmp_path / "other.csv", tmp_path / "." / "run.csv"])

@@ -47,6 +47,18 @@ def feed() -> Feed:
     return feed
 
 
+def test_after_a_long_pause_the_fastest_way_is_found_anew(feed: Feed) -> None:
+    """One clock may have drifted; nobody set it, so that is no jump."""
+    feed.pass_time(2.0)
+    assert feed.run(20, late=2.0 * LIMIT) == {Verdict.LATE}
+    feed.run(1)
+    feed.pass_time(3600.0)
+    verdicts = [feed.send(late=2.0 * LIMIT) for _ in range(20)]
+    assert verdicts == [*[Verdict.OUT_OF_TIME] * (AGREE - 1), *[Verdict.FRESH] * (21 - AGREE)]
+    assert feed.watch.jumps == 0
+    assert feed.watch.missed == 0
+
+
 def test_silence_is_a_loss_in_time_and_a_fresh_sample_ends_it(feed: Feed) -> None:
     assert not feed.pass_time(LIMIT - 0.01)
     assert feed.watch.left == pytest.approx(0.01)

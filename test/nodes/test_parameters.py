@@ -16,6 +16,7 @@ from microgripper_control.nodes.parameters import (
     accept_whole_numbers,
     declare_flag,
     declare_number,
+    declare_path,
     declare_text,
     declare_texts,
     model_path,
@@ -99,6 +100,14 @@ def test_other_types_are_checked_too(node: MakeNode) -> None:
         declare_flag(tested, "flag", True, "")
     with pytest.raises(MicrogripperError, match=r"names: \[1, 2\] is not a list of texts"):
         declare_texts(tested, "names", ["a"], "")
+
+
+def test_a_path_may_begin_with_a_home(node: MakeNode, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOME", "/home/somebody")
+    made = node(out="~/run", other="~nobody-of-this-name/run")
+    assert declare_path(made, "out", "", "") == Path("/home/somebody/run")
+    with pytest.raises(MicrogripperError, match="other: '~nobody-of-this-name/run'"):
+        declare_path(made, "other", "", "")
 
 
 def test_a_list_may_be_empty(node: MakeNode) -> None:

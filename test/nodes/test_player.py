@@ -12,6 +12,7 @@ from std_msgs.msg import Float64
 from microgripper_control.core.recording import Recording
 from microgripper_control.plant.model import nominal_model
 from microgripper_control.plant.simulate import simulate
+from microgripper_control.recordings.bag_writer import BagWriter
 from microgripper_control.recordings.csv import write_csv
 from microgripper_control.recordings.read import read_recording
 from microgripper_control.recordings.write import write_bag
@@ -39,6 +40,13 @@ def test_what_is_played_can_be_recorded_again(
     again = read_recording(tmp_path / "again")
     for quantity in ("voltage", "displacement", "setpoint"):
         np.testing.assert_array_equal(getattr(again, quantity), getattr(recording, quantity))
+
+
+def test_an_empty_bag_has_nothing_to_play(start: Start, tmp_path: Path) -> None:
+    BagWriter(tmp_path / "bag").close()
+    player = start("player", recording="bag")
+    assert player.ended() != 0
+    assert "bag: has no messages; record it again" in player.log
 
 
 def test_chosen_topics_in_their_own_time(

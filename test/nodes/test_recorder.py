@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from rclpy.duration import Duration
 from rclpy.publisher import Publisher
-from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 from running_nodes import PATIENCE, Start, Watcher
 from sensor_msgs.msg import JointState
@@ -19,6 +19,7 @@ from std_msgs.msg import Float64, String
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.nodes.recorder import Recorder
 from microgripper_control.recordings.bag import Bag
+from microgripper_control.recordings.offered_qos import Offered, offered
 from microgripper_control.recordings.read import read_recording
 
 pytestmark = pytest.mark.ros
@@ -115,6 +116,36 @@ def test_other_topics_and_other_qualities(start: Start, watcher: Watcher, tmp_pa
             "/elsewhere/notes (std_msgs/msg/String)",
             "/microgripper/joint_states (sensor_msgs/msg/JointState)",
         }
+
+
+def test_what_was_sent_before_it_came_is_recorded_and_played_so(
+    start: Start, watcher: Watcher, tmp_path: Path
+) -> None:
+    latched = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    texts = watcher.node.create_publisher(String, "/description", latched)
+    texts.publish(String(data="before"))
+    recorder = start("recorder", out="bag", topics=["/description"])
+    watcher.until(lambda: texts.get_subscription_count() > 0, "the recorder")
+    delivered(texts)
+    # Who publishes later and keeps nothing is heard as well.
+    later = watcher.node.create_publisher(String, "/description", QoSProfile(depth=10))
+    watcher.until(lambda: later.get_subscription_count() > 0, "the recorder")
+    later.publish(String(data="after"))
+    delivered(later)
+    assert recorder.stop() == 0
+    with Bag(tmp_path / "bag") as bag:
+        (topic,) = bag.topics
+        found = [deserialize_message(m, String).data for _, _, m in bag.messages([topic])]
+        assert offered(topic.qos) == Offered(reliable=True, latched=True)
+    assert found[0] == "before"
+    assert found[-1] == "after"
+    watcher.node.destroy_publisher(texts)
+    watcher.node.destroy_publisher(later)
+    heard = []
+    watcher.node.create_subscription(String, "/description", heard.append, latched)
+    player = start("player", recording="bag", partners=["watcher"])
+    assert player.ended() == 0
+    watcher.until(lambda: len(heard) == len(found), "what was played")
 
 
 @pytest.mark.parametrize("kind", ["my_rig/msg/Sample", "os/path", ".x/msg/Y", "a\nb/msg/C"])

@@ -54,6 +54,18 @@ def test_once_it_has_caught_up_commands_have_their_way() -> None:
     assert not driver.guard.acting
 
 
+def test_begun_again_it_catches_up_with_commands_as_at_first() -> None:
+    """Of a rig that was put to rest and woken nobody knows what was sent to it meanwhile."""
+    driver = obeying()
+    driver.guard.release(driver.voltage)
+    while driver.guard.acting and driver.voltage:
+        driver.run(1)
+    driver.guard.begin(driver.voltage)
+    again = driver.run(60, 100.0)
+    np.testing.assert_allclose(np.diff([0.0, *again[:50]]), RAMP)
+    assert set(again[50:]) == {100.0}
+
+
 def test_when_commands_stop_it_ramps_to_safe_and_back_once_they_come_again() -> None:
     driver = obeying()
     down = driver.run(200)

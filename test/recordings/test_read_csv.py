@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -145,7 +146,9 @@ def test_wrong_columns_are_listed_with_the_remedy(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("lines", "expected"),
     [
-        ([], "is empty; expected a header such as time_s,voltage_V,displacement_m"),
+        ([], "line 1 is blank; expected a header such as time_s,voltage_V,displacement_m"),
+        (["", HEADER, *ROWS], "line 1 is blank; expected a header such as time_s,"),
+        (["# rig 7", HEADER, *ROWS], "line 2: 3 cells, the header in line 1 has 1; line 1 should"),
         ([HEADER], "0 samples; at least 10 are needed"),
         ([HEADER, *ROWS[:9]], "9 samples; at least 10 are needed"),
         (ROWS, "line 1 has numbers where the names of the columns should be"),
@@ -159,7 +162,7 @@ def test_wrong_columns_are_listed_with_the_remedy(tmp_path: Path) -> None:
         ([HEADER, *ROWS, *ROWS], "time runs backwards at sample 50, from 0.049 s to 0 s"),
         (
             [HEADER, *(f"{k},{k},5,0{k % 10}" for k in range(20))],
-            "line 2: 4 cells, the header has 3",
+            "line 2: 4 cells, the header in line 1 has 3; line 1 should be such as time_s,",
         ),
         ([HEADER, "s,V,m", *ROWS], "line 2: 's' in column 'time_s' is not a number"),
     ],
@@ -221,11 +224,17 @@ def test_text_with_line_breaks_in_the_last_row(tmp_path: Path) -> None:
     assert len(read_recording(path)) == 40
 
 
+def test_a_pipe_is_refused_before_anything_is_read_from_it(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.csv")
+    with pytest.raises(MicrogripperError, match=r"is a pipe or a device, .* save it to a file"):
+        read_recording(tmp_path / "pipe.csv")
+
+
 def test_decimal_commas_behind_a_first_row_of_whole_numbers(tmp_path: Path) -> None:
     rows = ["0,0,0", *(f"{k},{k},5,1,25" for k in range(1, 40))]
     path = tmp_path / "commas.csv"
     path.write_text("\n".join(["time_s,voltage_V,displacement_m", *rows, ""]))
-    with pytest.raises(MicrogripperError, match="the last line: 5 cells, the header has 3; with"):
+    with pytest.raises(MicrogripperError, match=r"the last line: 5 cells, .* decimal points"):
         read_recording(path)
 
 

@@ -97,6 +97,11 @@ def test_without_displacement_the_position_is_empty(tmp_path: Path) -> None:
     assert (len(sample.position), len(sample.velocity), len(sample.effort)) == (0, 0, 1)
 
 
+def test_a_name_that_no_folder_can_have_is_told(tmp_path: Path) -> None:
+    with pytest.raises(MicrogripperError, match="File name too long"):
+        BagWriter(tmp_path / ("b" * 300))
+
+
 def test_nothing_is_overwritten(tmp_path: Path) -> None:
     (tmp_path / "run").mkdir()
     with pytest.raises(MicrogripperError, match="exists already; recordings are not overwritten"):

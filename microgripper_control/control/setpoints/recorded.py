@@ -52,7 +52,7 @@ def read_recorded(path: str | Path, column: str | None = None) -> Recorded:
         if len(others) != 1:
             raise MicrogripperError(f"{path}: choose a column; it has {', '.join(table.header)}")
         (column,) = others
-    times, points = table.numbers([time_at, table.column(column)]).values.T
+    times, points = table.whole_numbers([time_at, table.column(column)]).T
     if not len(times):
         raise MicrogripperError(f"{path}: has no rows; at least one is needed")
     for name, values in ((TIME, times), (column, points)):
