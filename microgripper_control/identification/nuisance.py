@@ -21,6 +21,7 @@ from microgripper_control.core.recording import SHORTEST, Recording
 from microgripper_control.core.signals import Array
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.initial_hysteresis import least_squares_h
+from microgripper_control.identification.orthonormal import orthonormal
 from microgripper_control.identification.reading_age import Late
 from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model
@@ -177,10 +178,7 @@ class Projection:
         """
         if len(shapes) == 1:  # most often the zero alone
             return cls(shapes.T / np.linalg.norm(shapes))
-        basis, triangle = np.linalg.qr(shapes.T)
-        turned, sizes, _ = np.linalg.svd(triangle)
-        seen = sizes > HARDLY_SEEN * np.max(sizes, initial=0.0)
-        return cls(basis if np.all(seen) else basis @ turned[:, seen])
+        return cls(orthonormal(shapes, HARDLY_SEEN).T)
 
     def __call__(self, signal: Array) -> Array:
         """What is left of a signal of shape (n,), or of several, shape (n, p)."""
