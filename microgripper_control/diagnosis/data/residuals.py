@@ -17,6 +17,7 @@ from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.identification.nuisance import Heldout, Mask, heldout_prediction
 from microgripper_control.plant.model import Model
 
+REAL = 0.05  # of the noise's power: a smaller gap could be an error of the noise itself
 RESTS = 0.002  # of the stroke: a turn smaller than this is none
 STILL = 1e-3  # of the largest change between two samples: below it the voltage is held
 

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from microgripper_control.core.signals import Array
-from microgripper_control.diagnosis.data.residuals import Residual, gap_energy, gap_power
+from microgripper_control.diagnosis.data.residuals import REAL, Residual, gap_energy, gap_power
 from microgripper_control.diagnosis.findings import Range
 from microgripper_control.diagnosis.signs.spectra import (
     PADDING,
@@ -28,13 +28,15 @@ LENGTHS = (400, 1600, 6400)  # samples of a stretch, to see broad resonances and
 LINE = 0.5  # Hz, on each side: the range of a line
 CONTRAST = 12.0  # of a peak over its neighbourhood, at least
 NEIGHBOURS = 12.0  # resolutions: how wide the neighbourhood is
-WORTH = 0.08  # of the gap: what a peak holds at least
+WORTH = 0.08  # of the gap: what a peak holds at least,
+LINE = 0.02  # or of so much of the noise's power, for a line shows where no gap does
 HALF_POWER = 0.36  # of the resolution: half the width of a pure line at half its height
 MOST = 0.6  # of the gap: what a band holds at least
 NARROW = 3.0  # its share over that of the voltage's power, and of the axis, at least
 PER_OCTAVE = 4  # bins
 SLOW = 0.2  # Hz: what is slower is called drift
-DRIFTING = 0.5  # of the gap: what a drift holds at least
+DRIFTING = 0.5  # of the gap: what a drift holds at least,
+DRIFTS = 4.0  # and as how concentrated it counts, for each share of the gap
 BETTER = 0.6  # of what a function of the voltage leaves: what a slow course leaves at most
 
 
@@ -59,13 +61,13 @@ def bands(residuals: Sequence[Residual], noise: float) -> list[Band]:
         own = max(gap_power(group, noise), 0.0)
         peaks = _peaks(group, noise, own)
         spectrum = spectrum_of(group)
-        if not peaks and spectrum is not None and own > 0.05 * noise**2:
+        if not peaks and spectrum is not None and own > REAL * noise**2:
             peaks = _broad(spectrum, noise, own)
         share = min(1.0, max(0.0, gap_energy(group, noise)) / energy) if energy > 0.0 else 1.0
         found += [peak.within(share) for peak in peaks]
     drift = slow_share(residuals, noise)
-    if total > 0.05 * noise**2 and drift >= DRIFTING:
-        found.append(Band(Range("frequency_Hz", 0.0, SLOW, min(1.0, drift)), 4.0 * drift))
+    if total > REAL * noise**2 and drift >= DRIFTING:
+        found.append(Band(Range("frequency_Hz", 0.0, SLOW, min(1.0, drift)), DRIFTS * drift))
     return found
 
 
@@ -74,7 +76,7 @@ def _peaks(group: Sequence[Residual], noise: float, total: float) -> list[Band]:
     spectrum = spectrum_of(group)
     lines = [] if spectrum is None else [p for p in find_peaks(spectrum, noise) if p.line]
     peaks = [*lines, *(p for p in resonances(group, noise) if all(p.apart(one) for one in lines))]
-    worth = WORTH * max(total, 0.02 * noise**2)
+    worth = WORTH * max(total, LINE * noise**2)
     peaks = sorted([p for p in peaks if p.power > worth], key=lambda peak: -peak.power)
     gap = max(total, sum(peak.power for peak in peaks))
     return [

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from microgripper_control.core.signals import Array
-from microgripper_control.diagnosis.data.residuals import Residual, gap_power
+from microgripper_control.diagnosis.data.residuals import REAL, Residual, gap_power
 from microgripper_control.diagnosis.signs.features import LONGEST_WINDOW, Frame, features
 from microgripper_control.identification.nuisance import Mask
 
@@ -24,7 +24,6 @@ STRETCHES = 8  # of each recording
 FOLDS = 4  # of stretches that are left out in turn to choose features and ridge
 WORTH = 0.01  # of the squares left: what a further group of features takes away at least
 FADES = 3  # times in which what began before a recording fades
-REAL = 0.05  # of the noise's power: a smaller gap could be an error of the noise itself
 DAMPING = 2e-3  # of the mean square of the roughest course, in proportion to roughness
 MARGIN = 0.005  # of a recording: how near to a judging sample nothing is learnt from
 

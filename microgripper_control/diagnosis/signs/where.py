@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from microgripper_control.core.signals import Array
-from microgripper_control.diagnosis.data.residuals import Residual, gap_energy, gap_power
+from microgripper_control.diagnosis.data.residuals import REAL, Residual, gap_energy, gap_power
 from microgripper_control.diagnosis.findings import Range
 from microgripper_control.diagnosis.signs.bands import bands
 from microgripper_control.diagnosis.signs.holds import growth_in_holds
@@ -28,12 +28,15 @@ SAME = 1e-6  # of the range of the values: what lies closer together is one valu
 RAREST = (0.98, 0.99, 0.997)  # quantiles that finer bins begin at where the largest values matter
 FEWEST = 1000  # samples
 PIECES = 40  # that the samples are cut into; every second one confirms
-REAL = 0.05  # of the noise's power: the gap that could be an error of the noise itself
 RECENT = 0.01  # s: how far back a fast change of the voltage counts
 AFTER = 0.1  # s after a step: what is slower than this is no swinging any more
 SLIPPED = 0.6  # of the slow error's squares: what one jump explains at least
 ABRUPT = 0.5  # of what a smooth course leaves: what the jump leaves at most
-GROWTH = 0.3  # of what changes during the holds: what a logarithm explains at least
+GROWTH = 0.3  # of what changes during the holds: what a logarithm explains at least,
+CERTAIN = 4.0  # and how many times its own uncertainty it is
+# As how concentrated a gap counts that a law explains, for each share that it explains: a law tells
+# more than where the power went.
+BENDS, GROWS, JUMPS = 10.0, 5.0, 4.0
 
 
 @dataclass(frozen=True)
@@ -213,16 +216,15 @@ def _bends(residuals: Sequence[Residual], noise: float) -> list[_Found]:
         values, power = _powers(pick, residuals, noise)
         inside = (values >= onset.low) & (values <= onset.high)
         share = float(np.clip(np.sum(power[inside]) / np.sum(power), 0.0, 1.0))
-        # A bend is the sharper of two signs: what it explains counts, not where the power went.
         place = Range(axis, onset.low, onset.high, share, bend=onset.place)
-        found.append(_Found(place, 10.0 * onset.explained))
+        found.append(_Found(place, BENDS * onset.explained))
     return found
 
 
 def _growing(residuals: Sequence[Residual], noise: float) -> list[_Found]:
     """Whether the error grows with the logarithm of the time since a step, its way or against."""
     growth = growth_in_holds(residuals, AFTER)
-    if growth is None or growth.explained < GROWTH or growth.certainty < 4.0:
+    if growth is None or growth.explained < GROWTH or growth.certainty < CERTAIN:
         return []
     values = np.concatenate([residual.hold_time[residual.counted] for residual in residuals])
     errors = np.concatenate([residual.error[residual.counted] for residual in residuals])
@@ -230,7 +232,7 @@ def _growing(residuals: Sequence[Residual], noise: float) -> list[_Found]:
     inside = (values >= AFTER) & (values <= growth.longest)
     share = float(np.clip(np.sum(power[inside]) / np.sum(power), 0.0, 1.0))
     place = Range("hold_time_s", AFTER, growth.longest, share)
-    return [_Found(place, 5.0 * growth.explained)]
+    return [_Found(place, GROWS * growth.explained)]
 
 
 def _slipped(residuals: Sequence[Residual], noise: float) -> list[_Found]:
@@ -248,7 +250,7 @@ def _slipped(residuals: Sequence[Residual], noise: float) -> list[_Found]:
         inside = residual.counted & (time >= low)
         power = residual.error[inside] ** 2 - noise**2
         share = float(np.clip(np.sum(power) / total, 0.0, 1.0))
-        found.append(_Found(Range("time_s", low, high, share), 4.0))
+        found.append(_Found(Range("time_s", low, high, share), JUMPS))
     return found
 
 
