@@ -187,7 +187,10 @@ class Projection:
 
 
 def course_weights(shapes: Array, error: Array) -> tuple[float, ...]:
-    """Least-squares weights, m, of courses, shape (p, n), in an error, m; 0 for what they hide."""
+    """Least-squares weights, m, of courses, shape (p, n), in an error, m, shape (n,).
+
+    What the courses hardly show gets none.
+    """
     weights, *_ = np.linalg.lstsq(shapes.T, error, rcond=HARDLY_SEEN)
     return tuple(map(float, weights))
 

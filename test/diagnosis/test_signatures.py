@@ -89,6 +89,9 @@ def test_slopes_without_a_piece_are_those_of_the_others() -> None:
     found = _slopes_without(piece, x, y)
     expected = [np.polyfit(x[piece != out], y[piece != out], 1)[0] for out in range(7)]
     np.testing.assert_allclose(found, expected, rtol=1e-10)
+    found = _slopes_without(piece, np.where(piece == 3, 1.7, 0.1), y)
+    assert found[3] == 0.0
+    assert np.all(found[:3] != 0.0)
 
 
 def test_readings_on_a_grid() -> None:

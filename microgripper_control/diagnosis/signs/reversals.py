@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.data.residuals import Residual
 
+AT_ONE = 1e-12  # of the spread of all: what has less lies at one place
 EDGES = (0.0, 0.005, 0.01, 0.02, 0.04, 0.08, 0.16, 0.32, 0.64)  # of the stroke: bins of travel
 PLATEAU = 3  # last bins: far behind a turn
 RATES = 4  # bins
@@ -100,12 +101,17 @@ def widths_by_rate(residuals: Sequence[Residual]) -> Widths | None:
 
 
 def _slopes_without(piece: NDArray[np.int64], x: Array, y: Array) -> Array:
-    """The slope of a straight line through all points but those of one piece, for each piece."""
+    """The slope of a straight line through all points but those of one piece, for each piece.
+
+    0 where the others all lie at one x.
+    """
     x, y = x - x.mean(), y - y.mean()
     _, number = np.unique(piece, return_inverse=True)
     sums = np.array([np.bincount(number, part) for part in (np.ones(len(x)), x, y, x * x, x * y)])
     n, sx, sy, sxx, sxy = sums.sum(axis=1, keepdims=True) - sums
-    slopes: Array = (n * sxy - sx * sy) / (n * sxx - sx * sx)
+    spread = n * sxx - sx * sx
+    told = spread > AT_ONE * len(x) * float(x @ x)
+    slopes: Array = np.divide(n * sxy - sx * sy, spread, out=np.zeros_like(spread), where=told)
     return slopes
 
 
