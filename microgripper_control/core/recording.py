@@ -63,8 +63,9 @@ class Recording:
     `displacement` and `setpoint` (m) are None where they were not recorded. `warnings` says what
     was mended on reading. `recorded` (bool, shape (n,), None for all) says which samples are no
     fillings, `read` which of them have a reading that counts.
-    `reading_age` is how old the first reading is where the sensor converts on a clock of its own.
-    Raises MicrogripperError naming the recording on bad samples.
+    `reading_age` is how old the first reading is where the sensor converts on a clock of its own;
+    `part` says that it is a stretch of what was recorded. Raises MicrogripperError naming the
+    recording on bad samples.
     """
 
     name: str
@@ -77,6 +78,7 @@ class Recording:
     recorded: Mask | None = None
     read: Mask | None = None
     reading_age: float = 0.0  # s
+    part: bool = False
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.sample_period) and self.sample_period > 0.0):
@@ -108,6 +110,7 @@ class Recording:
             recorded=None if self.recorded is None else self.recorded[part],
             read=None if self.read is None else self.read[part],
             reading_age=self.reading_age + before,
+            part=True,
         )
 
     @property

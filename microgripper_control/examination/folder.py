@@ -50,30 +50,40 @@ class Folder:
         """Open the seal."""
         return read_json(self.seal(planned))
 
+    @property
+    def _plan(self) -> Path:
+        return self.root / "sealed" / "plan.json"
+
+    @property
+    def code(self) -> str:
+        """The hash of the sources that the examination is of."""
+        return str(read_json(self._plan).get("code", "unknown"))
+
+    def refuse_other_code(self) -> None:
+        """Raise MicrogripperError if the sources are no longer those that the examination is of."""
+        if self.code != sources():
+            raise MicrogripperError(
+                f"--out {self.root}: was begun by other code (sources {self.code}, these are "
+                f"{sources()}), whose results must not be mixed; give another folder or go on with "
+                "the old version"
+            )
+
     def begin(self, planned: Sequence[Planned]) -> None:
         """Keep the plan and which code it is of, or find that they are those that are kept here.
 
         MicrogripperError if the folder holds another examination, or one of other code.
         """
         cases = [one.plain() for one in planned]
-        content = {"schema": PLAN_SCHEMA, "code": sources(), "cases": cases}
-        path = self.root / "sealed" / "plan.json"
-        if path.exists():
-            kept = read_json(path)
-            if kept.get("cases") != cases:
-                raise MicrogripperError(
-                    f"--out {self.root}: holds another examination (another --seed or --quick); "
-                    "give another folder or remove this one"
-                )
-            if kept != content:
-                raise MicrogripperError(
-                    f"--out {self.root}: was begun by other code (sources "
-                    f"{kept.get('code', 'unknown')}, these are {sources()}), whose results must "
-                    "not be mixed; give another folder or go on with the old version"
-                )
+        if not self._plan.exists():
+            make_folder(self._plan.parent)
+            write_json(self._plan, {"schema": PLAN_SCHEMA, "code": sources(), "cases": cases})
             return
-        make_folder(path.parent)
-        write_json(path, content)
+        if read_json(self._plan).get("cases") != cases:
+            raise MicrogripperError(
+                f"--out {self.root}: holds another examination (another --seed or --quick); "
+                "give another folder or remove this one"
+            )
+        self.refuse_other_code()
 
 
 def read_json(path: Path) -> dict[str, Any]:

@@ -40,7 +40,7 @@ def _own(case: Marked) -> Said:
         stages = case.diagnosis["stages"]
         stage = max(stages, key=lambda name: stages[name])
     said = None if case.diagnosis is None else case.said
-    return said, stage, case.record.seconds.get("diagnosing")
+    return said, stage, case.record.seconds.get("diagnosing_busy")
 
 
 def _other(name: str, cases: Sequence[Marked]) -> Method:

@@ -111,7 +111,7 @@ def scored(cases: Sequence[Marked], unmade: Sequence[Record] = ()) -> Score:
     hidden = [case for case in blind if case.sealed.causes and not case.sealed.seen]
     strength = {name: [c for c in seen if c.sealed.strength == name] for name in STRENGTHS}
     gaps = closable(cases)
-    times = [case.record.seconds["diagnosing"] for case in cases]
+    times = [case.record.seconds["diagnosing_busy"] for case in cases]
     return Score(
         cases=tuple(cases),
         top={name: _right(own) for name, own in strength.items()},

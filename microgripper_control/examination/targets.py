@@ -43,13 +43,15 @@ def targets(score: Score) -> tuple[Target, ...]:
         score.top["medium"].of + score.top["strong"].of,
     )
     cases = score.probability.of
+    # A blank without an answer was asked for as well, and cannot be made up for.
+    blanks = 150 - sum(case.blank and case.alarmed is None for case in score.cases)
     present = max(score.present, score.present_claimed, key=_error)
     return (
         _share("top_1", "Effect named, medium and strong", clear, 0.95),
         _share("top_1_weak", "Effect named, weak", score.top["weak"], 0.80),
         _share("stage", "Stage found", score.stage, 0.97),
         _share(
-            "false_alarms", "False alarms on none and parameters", score.false_alarms, 0.02, 150
+            "false_alarms", "False alarms on none and parameters", score.false_alarms, 0.02, blanks
         ),
         _share("unknown", "Unknown where the library has not the cause", score.unknown, 0.85),
         _middle("gap_closed", "Gap closed, of what the oracle closes (median)", score.closed, 0.90),

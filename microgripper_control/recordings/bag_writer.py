@@ -20,7 +20,7 @@ from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typest
 from rosbags.typesys.store import Typestore
 
 from microgripper_control.core.errors import MicrogripperError
-from microgripper_control.recordings.folder_lock import FolderLock
+from microgripper_control.core.folder_lock import FolderLock
 
 STORAGES = {"mcap": StoragePlugin.MCAP, "sqlite3": StoragePlugin.SQLITE3}
 VERSION: Literal[9] = 9  # of the bag's metadata: ROS 2 Jazzy's

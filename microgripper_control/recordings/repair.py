@@ -15,9 +15,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.folder_lock import FolderLock
 from microgripper_control.recordings.bag import Bag
 from microgripper_control.recordings.bag_writer import STORAGES, BagWriter
-from microgripper_control.recordings.folder_lock import FolderLock
 from microgripper_control.recordings.storage import Topic
 
 KEPT = ".damaged"  # added to the name of the bag that was repaired

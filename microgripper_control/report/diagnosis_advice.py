@@ -109,7 +109,8 @@ def repeating(diagnosis: Diagnosis, folder: Path, maps: Sequence[str]) -> Html:
         *("--out", "predicted.csv"),
     ]
     model = ("microgripper", "simulate", "--model", str(folder / MODEL))
-    commands = [shlex.join([*model, one.recording.name, *options]) for one in diagnosis.judged]
+    whole = [one.recording for one in diagnosis.judged if not one.recording.part]
+    commands = [shlex.join([*model, recording.name, *options]) for recording in whole]
     return element(
         "section",
         element("h2", "How to repeat it"),
@@ -118,10 +119,17 @@ def repeating(diagnosis: Diagnosis, folder: Path, maps: Sequence[str]) -> Html:
             "Given where the diagnosis was made, each command prints the error of the final model "
             "on one recording, as it was judged here: the recording's own zero and initial state "
             "are fitted on blocks 1, 3, 5, 7, 9 of ten, the error is taken on the others."
-            f"{_if_strips(diagnosis)}",
+            f"{_if_strips(diagnosis)}{_if_parts(diagnosis)}",
         ),
         element("pre", element("code", "\n".join(commands)), tabindex="0"),
     )
+
+
+def _if_parts(diagnosis: Diagnosis) -> str:
+    """What to know where recordings were cut."""
+    if any(one.recording.part for one in diagnosis.judged):
+        return " Of recordings that were cut at long gaps no command gives the parts."
+    return ""
 
 
 def _if_strips(diagnosis: Diagnosis) -> str:

@@ -136,8 +136,8 @@ def _named(page: Page, score: Score, folder: Path) -> None:
     draw_matrix(score, png)
     page.figure(
         png,
-        "What was answered (columns) to what was true (rows). Of the last two rows the library did "
-        "not have the cause: unknown is right.",
+        "What was answered (columns) to what was true (rows). In the rows “withheld” and “never” "
+        "the library did not have the cause: unknown is right there.",
     )
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -38,6 +40,17 @@ def test_after_a_long_gap_a_recording_begins_anew() -> None:
     assert found.conditions.initial is Initial.FIRST_SAMPLE
     (line,) = found.lines
     assert line.startswith("run.csv: nobody knows what was applied")
+
+
+def test_a_part_that_rests_between_two_gaps_is_left_out() -> None:
+    whole = without(0, 0)
+    voltage = np.where((TIME >= 3.0) & (TIME < 3.9), 0.0, VOLTAGE)
+    present = ~(((TIME >= 2.0) & (TIME < 3.0)) | ((TIME >= 3.9) & (TIME < 4.9)))
+    resting = replace(whole, voltage=voltage, recorded=present)
+    found = cut_at_gaps([resting], [], AT_REST)
+    assert [len(one) for one in found.recordings] == [2000, 1100]
+    assert all(one.part for one in found.recordings)
+    assert not whole.part
 
 
 def test_held_out_recordings_are_cut_as_well() -> None:

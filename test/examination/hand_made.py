@@ -112,7 +112,13 @@ def record(
     others = {name: Beside(*beside, 30.0 * NM, 5.0) for name in METHODS[:-1]}
     others[METHODS[-1]] = Beside(None, None, 20.0 * NM, 1.0)
     outcome, why = (ANSWERED, "") if answer else (LATE, "no answer within 300 s")
-    seconds = {"making": 1.0, "diagnosing": 20.0, "beside": 3.0, "rivals": 0.0}
+    seconds = {
+        "making": 1.0,
+        "diagnosing": 21.0,
+        "diagnosing_busy": 20.0,
+        "beside": 3.0,
+        "rivals": 0.0,
+    }
     return Record(case, outcome, why, seconds, answer, others, rivals or {})
 
 

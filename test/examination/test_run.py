@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 from hand_made import diagnosis
 
 from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.files import make_folder
+from microgripper_control.core.folder_lock import FolderLock
 from microgripper_control.diagnosis.diagnose import candidate_names
 from microgripper_control.examination import asking
 from microgripper_control.examination import run as running
@@ -129,10 +132,32 @@ def test_the_sources_are_told_by_a_hash(tmp_path: Path, monkeypatch: pytest.Monk
     monkeypatch.setattr("microgripper_control.examination.sources.PACKAGE", tmp_path)
     (tmp_path / "room").mkdir()
     (tmp_path / "room" / "one.py").write_text("a = 1")
-    before = sources.__wrapped__()
-    assert sources.__wrapped__() == before
+    before = sources()
+    assert sources() == before
     (tmp_path / "room" / "one.py").write_text("a = 2")
-    assert sources.__wrapped__() != before
+    assert sources() != before
+
+
+def test_code_that_is_edited_while_it_runs_ends_it(
+    tmp_path: Path, quiet: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    running.run(tmp_path, [blank(1), blank(2)], silent, jobs=1, asked=[blank(1)])
+    hashes = iter([Folder(tmp_path).code, *["edited"] * 9])
+    monkeypatch.setattr("microgripper_control.examination.folder.sources", lambda: next(hashes))
+    with pytest.raises(MicrogripperError, match="was begun by other code"):
+        running.run(tmp_path, [blank(1), blank(2)], silent, jobs=1)
+    assert not Folder(tmp_path).result(blank(2)).exists()
+
+
+@pytest.mark.parametrize("at_work", ["results", "answers/case_001"])
+def test_two_at_once_are_kept_apart(tmp_path: Path, quiet: list[str], at_work: str) -> None:
+    with (
+        closing(FolderLock(make_folder(tmp_path / at_work))),
+        pytest.raises(MicrogripperError, match="is being written; another examination"),
+    ):
+        running.run(tmp_path, [blank(1)], silent, jobs=1)
+    assert quiet == []
+    assert len(running.run(tmp_path, [blank(1)], silent, jobs=1)) == 1
 
 
 def test_a_case_that_cannot_be_made_is_told_and_not_counted(

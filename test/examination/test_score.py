@@ -144,6 +144,11 @@ def test_false_alarms_need_150_cases() -> None:
     for alarms, verdict in ((3, MET), (4, MISSED)):
         found = {t.name: t for t in targets(scored([quiet] * (150 - alarms) + [loud] * alarms))}
         assert found["false_alarms"].verdict == verdict
+    unanswered = marked(("none",), None)
+    found = {t.name: t for t in targets(scored([quiet] * 148 + [unanswered] * 2))}
+    assert found["false_alarms"].verdict == MET
+    found = {t.name: t for t in targets(scored([quiet] * 147 + [unanswered] * 2))}
+    assert found["false_alarms"].verdict == TOO_FEW
 
 
 def test_json_is_complete_and_plain(score: Score) -> None:

@@ -66,6 +66,17 @@ def test_it_reads_in_the_order_of_a_technician(page: Path) -> None:
     assert "contradicts" in text
 
 
+def test_no_command_is_told_that_gives_a_part_of_a_recording(tmp_path: Path) -> None:
+    found = creeping()
+    part = replace(found.judged[0].recording, name="run.csv from 3.9 s", part=True)
+    cut = replace(found, judged=(*found.judged, replace(found.judged[0], recording=part)))
+    write_diagnosis_report(cut, tmp_path / "report.html")
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    commands = text[text.index("How to repeat it") :]
+    assert "run.csv from 3.9 s" not in commands[: commands.index("</section>")]
+    assert "cut at long gaps" in commands
+
+
 def test_what_each_effect_accounts_for_is_told_of_several(tmp_path: Path) -> None:
     found = replace(creeping(), shares={"creep": 0.7, "friction": 0.3})
     write_diagnosis_report(found, tmp_path / "report.html")

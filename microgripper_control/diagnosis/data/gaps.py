@@ -52,11 +52,12 @@ def cut_at_gaps(
 
 
 def _pieces(recording: Recording) -> list[Recording]:
-    """The parts between long gaps; the recording itself if it has none, or nothing is left."""
+    """The parts between long gaps, of those that move; itself if it has no gap, or has no part."""
     gaps = _long_gaps(recording)
     starts = [0, *(gap.stop for gap in gaps)]
     stops = [*(gap.start for gap in gaps), len(recording)]
-    parts = [slice(a, b) for a, b in zip(starts, stops, strict=True) if b - a >= SHORTEST]
+    between = [slice(a, b) for a, b in zip(starts, stops, strict=True) if b - a >= SHORTEST]
+    parts = [part for part in between if _moves(recording, part)]
     if not gaps or not parts:
         return [recording]
     pieces = [recording.stretch(part) for part in parts]
@@ -64,6 +65,11 @@ def _pieces(recording: Recording) -> list[Recording]:
         piece if part.start == 0 else replace(piece, name=f"{piece.name} from {piece.start:.4g} s")
         for part, piece in zip(parts, pieces, strict=True)
     ]
+
+
+def _moves(recording: Recording, part: slice) -> bool:
+    """Whether a part tells anything: one that rests does not."""
+    return all(np.ptp(signal[part]) > 0.0 for signal in (recording.voltage, recording.measured))
 
 
 def _long_gaps(recording: Recording) -> list[slice]:

@@ -24,13 +24,13 @@ Said = tuple[str | None, str | None, float]
 
 def compare(case: Path, withheld: Sequence[str] = ()) -> dict[str, Beside]:
     """What each method says of the recordings in a case's folder."""
-    started = time.perf_counter()
+    started = time.process_time()
     try:
         begun = Begun.read(case)
     except FAULTS as error:
-        spent = time.perf_counter() - started
+        spent = time.process_time() - started
         return {name: Beside(None, None, None, spent, str(error)) for name in METHODS}
-    common = time.perf_counter() - started
+    common = time.process_time() - started
     methods: dict[str, Callable[[], Said]] = {
         GREY_BOX: lambda: select(begun, withheld),
         SPARSE: lambda: regress(begun, withheld),
@@ -40,11 +40,11 @@ def compare(case: Path, withheld: Sequence[str] = ()) -> dict[str, Beside]:
 
 
 def _one(method: Callable[[], Said], common: float) -> Beside:
-    started = time.perf_counter()
+    started = time.process_time()
     try:
         answer, stage, rmse = method()
         why = "" if np.isfinite(rmse) else "no finite error"
     except FAULTS as error:
         answer, stage, rmse, why = None, None, np.nan, str(error)
-    seconds = common + time.perf_counter() - started
+    seconds = common + time.process_time() - started
     return Beside(answer, stage, float(rmse) if np.isfinite(rmse) else None, seconds, why)
