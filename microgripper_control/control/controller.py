@@ -76,6 +76,7 @@ class Controller:
         self._fade_step = limits.ramp_rate * sample_period
         self._difference = 0.0  # V, between the answer and the law's wish
         self._joining = True  # at the next step the law takes over from what went before
+        self._unasked = True  # of the displacement, so far, by the law at work
         self._command = math.nan  # the last good one; none yet
         self._ahead = self._ticks_ahead(identified)
         self._asked = deque([math.nan] * self._ahead)  # of x, m, at this tick and those after it
@@ -173,6 +174,9 @@ class Controller:
         forward = self._inverse.step(target)
         asked = self._asked.popleft()
         error = 0.0 if math.isnan(asked) else asked - displacement
+        if self._unasked and not self._joining and math.isfinite(asked - displacement):
+            self._unasked = False  # the first error goes on from the answer as it is, too
+            self._pid.join(self._pid.output, error, displacement)
         correction = self._correct(error, displacement, forward)
         self._asked.append(target)
         if self._pid.bounded:
@@ -238,7 +242,7 @@ class Controller:
         return 2 + round(identified.dead_time / self._period)
 
     def _law_changed(self) -> None:
-        self._joining = True
+        self._joining = self._unasked = True
         self._difference = 0.0
         self._asked = deque([math.nan] * self._ahead)
         self._lookahead.reset()

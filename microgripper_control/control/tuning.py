@@ -18,6 +18,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from microgripper_control.control.identified import Identified
@@ -34,7 +35,8 @@ LEAST_GAIN_MARGIN = 2.0
 LEAST_PHASE_MARGIN = 45.0  # degrees
 MOST_REDUCTIONS = 150  # of the gain, to 1e-7 of the rule's
 WHOLE = 1e-6  # of a tick: a dead time that is so little longer is none longer
-FREQUENCIES = 20_000  # from zero to half the sampling rate
+FREQUENCIES = 20_000  # from zero to half the sampling rate,
+FINER = 8  # or so many for each tick of dead time: the loop turns by half a circle with each
 
 
 @dataclass(frozen=True)
@@ -84,29 +86,46 @@ def loop_margins(
     The plant without hysteresis, that is with its largest gain, and without `ringing`. Infinite
     where the loop gain never crosses.
     """
-    above, below = _loop(identified, gains, sample_period)
-    above = plant_factor * above
-    if np.any(np.abs(np.roots(np.polyadd(below, above))) >= 1.0):
+    numerator, denominator = _loop(identified, gains, sample_period)
+    ticks = 1 + math.ceil(identified.dead_time / sample_period - WHOLE)
+    # The first lies at zero, the margins between the others.
+    frequency = math.pi * np.linspace(0.0, 1.0, 1 + max(FREQUENCIES, FINER * ticks))
+    z = np.exp(1j * frequency)
+    above = plant_factor * np.polyval(numerator, z)
+    below = np.polyval(denominator, z) * np.exp(1j * ticks * frequency)
+    if not _all_inside(above + below, len(denominator) - 1 + ticks):
         return Margins(0.0, 0.0)
-    z = np.exp(1j * math.pi * np.arange(1, FREQUENCIES + 1) / FREQUENCIES)
-    loop = np.polyval(above, z) / np.polyval(below, z)
+    loop = above[1:] / below[1:]
     return Margins(_gain_margin(loop), _phase_margin(loop))
 
 
+def _all_inside(values: NDArray[np.complex128], degree: int) -> bool:
+    """Whether all roots of a real polynomial lie inside the unit circle.
+
+    `values` are taken along the upper half of it, from 1 to -1: they turn by half a circle for each
+    root inside (the argument principle). To solve for roots takes the cube of the degree, which is
+    the dead time in ticks.
+    """
+    turned = np.unwrap(np.angle(values))
+    return bool(round((turned[-1] - turned[0]) / math.pi) == degree)
+
+
 def _loop(identified: Identified, gains: PidGains, sample_period: float) -> tuple[Array, Array]:
-    """Numerator and denominator of the loop in z: PID, one tick and the dead time, mechanics."""
+    """Numerator and denominator of the loop in z, PID and mechanics, without what is only late."""
     plant, plant_poles = _sampled_mechanics(identified, sample_period)
     lag = gains.derivative_filter
     filtered = np.array([lag + sample_period, -lag])
     integrated = np.array([1.0, -1.0])
-    controller = np.polyadd(
-        np.polymul([gains.kp + gains.ki * sample_period, -gains.kp], filtered),
-        gains.kd * np.polymul(integrated, integrated),
-    )
-    ticks = 1 + math.ceil(identified.dead_time / sample_period - WHOLE)
-    late = np.append(1.0, np.zeros(ticks))
+    if gains.ki == 0.0:  # an integrator that nothing feeds is none
+        controller, poles = np.polyadd(gains.kp * filtered, gains.kd * integrated), filtered
+    else:
+        controller = np.polyadd(
+            np.polymul([gains.kp + gains.ki * sample_period, -gains.kp], filtered),
+            gains.kd * np.polymul(integrated, integrated),
+        )
+        poles = np.polymul(integrated, filtered)
     above = np.polymul(controller, plant)
-    below = np.polymul(np.polymul(np.polymul(integrated, filtered), late), plant_poles)
+    below = np.polymul(poles, plant_poles)
     return np.asarray(above, np.float64), np.asarray(below, np.float64)
 
 

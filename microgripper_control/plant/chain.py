@@ -108,7 +108,8 @@ class Chain:
 
         Once nothing moves any more, and what comes late has come, the positions are filled in.
         """
-        look, late = LOOK * self.steps, self._behind / self.timing.sample_period * self.steps
+        # A window that averages remembers twice as long as it is behind.
+        look, late = LOOK * self.steps, 2.0 * self._behind / self.timing.sample_period * self.steps
         begin, end = 0, look
         while begin < bus.shape[1]:
             piece = np.zeros_like(bus[:, begin:end])
@@ -125,17 +126,22 @@ class Chain:
         if self._clock:
             conversion_clock.kernel(self._clock.coefficients, self._clock.state, bus)
 
-    def settle(self, bus: Array) -> None:
-        """Run the period on the bus over and over until it repeats itself.
+    def settle(self, bus: Array) -> float:
+        """Run the period on the bus over and over until it repeats itself; returns x[0], m.
 
-        A sensor's own clock goes on through all periods and does not: it reads the last two.
+        A sensor's own clock goes on through all periods and does not: it reads the last two, and
+        x[0] is what it has read by the end of the first of them.
         """
         self._settle(bus)
+        first = float(bus[POSITION, -1])
         if self._clock:
             periods = bus.shape[1] // self.steps
             conversion_clock.turn_back(self._clock, periods * self.timing.sample_period)
-            self._convert(bus.copy())
+            before = bus.copy()
+            self._convert(before)
+            first = float(before[POSITION, -1])
         self._convert(bus)
+        return first
 
     def _settle(self, bus: Array) -> None:
         """All but the sensor's clock.

@@ -22,7 +22,7 @@ from microgripper_control.core.signals import (
     Array,
     Timing,
 )
-from microgripper_control.effects.material.bouc_wen import advance
+from microgripper_control.effects.material.bouc_wen import FROM_REST
 from microgripper_control.effects.registry import registry
 from microgripper_control.plant.bandlimited import Course, course
 from microgripper_control.plant.chain import Chain
@@ -65,7 +65,7 @@ def simulate(
     if voltage.ndim != 1 or len(voltage) < 2 or not np.all(np.isfinite(voltage)):
         raise MicrogripperError("voltage: at least two finite samples in one row are needed")
     ramped = hold is not Hold.ZERO
-    levels = _initial_levels(model, voltage, ramped, initial, initial_hysteresis)
+    levels = _initial_levels(voltage, ramped, initial, initial_hysteresis)
     periodic = initial is Initial.PERIODIC
     driven = np.append(voltage, voltage[0]) if periodic else voltage
     smooth = course(voltage, periodic) if hold is Hold.BANDLIMITED else None
@@ -83,8 +83,7 @@ def simulate(
     if periodic:
         bus = np.zeros((ROWS, len(voltage) * chain.steps))
         drive(bus, 0)
-        chain.settle(bus)
-        positions[0] = bus[POSITION, -1]
+        positions[0] = chain.settle(bus)
         positions[1:] = bus[POSITION, chain.steps - 1 : -chain.steps : chain.steps]
     else:
         positions[0] = chain.rest_position
@@ -177,17 +176,13 @@ class Plant:
         self._position = self._end.item()
 
 
-def _initial_levels(
-    model: Model, voltage: Array, ramped: bool, initial: Initial, hysteresis: float
-) -> Array:
+def _initial_levels(voltage: Array, ramped: bool, initial: Initial, hysteresis: float) -> Array:
     levels = np.zeros(ROWS)
     if initial is Initial.FIRST_SAMPLE:
         levels[VOLTAGE], levels[HYSTERESIS] = voltage[0], hysteresis
     elif ramped or initial is Initial.PERIODIC:
         # A smooth voltage has no jump at the first sample: the way there lies before it.
-        v = model.values("bouc_wen")
-        h = advance(0.0, voltage[0], v["alpha"] * v["d"], v["beta"], v["gamma"], v["n"])
-        levels[VOLTAGE], levels[HYSTERESIS] = voltage[0], h
+        levels[VOLTAGE], levels[HYSTERESIS] = voltage[0], FROM_REST
     return levels
 
 

@@ -98,6 +98,22 @@ def test_a_change_of_mode_does_not_jump(model: Model, before: Mode, after: Mode)
         assert np.abs(new - old[-1]).max() < 1e-6  # nothing was wrong: nothing moves
 
 
+def test_the_first_error_of_a_cascade_is_no_kick() -> None:
+    """It comes some ticks after the change: until then nothing was asked of the displacement."""
+    gains = PidGains(kp=1.5e6, ki=5e8)
+    steps = {}
+    for mode in (Mode.PID, Mode.CASCADE):
+        controller = Controller(NOMINAL, T, mode=Mode.OPEN_LOOP, gains=gains)
+        plant = Plant(nominal_model(), T)
+        loop(plant, controller, 58.0, controller.start(0.0), 200)
+        controller.set_mode(mode)
+        voltages = loop(plant, controller, 4e-6, 58.0, 60)
+        steps[mode] = np.max(np.abs(np.diff(voltages)))
+        loop(plant, controller, 4e-6, voltages[-1], 400)
+        assert plant.read() == pytest.approx(4e-6, abs=1e-9)
+    assert steps[Mode.CASCADE] < 1.5 * steps[Mode.PID]
+
+
 @pytest.mark.parametrize("mode", CLOSED)
 def test_between_open_loop_and_the_others_the_voltage_waits_for_a_new_command(
     model: Model, mode: Mode

@@ -14,7 +14,7 @@ from scipy.signal import cont2discrete
 from microgripper_control.control.controller import Controller, Mode
 from microgripper_control.control.identified import Identified
 from microgripper_control.control.pid import Pid, PidGains
-from microgripper_control.control.tuning import default_gains, loop_margins
+from microgripper_control.control.tuning import _loop, default_gains, loop_margins
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.signals import Array
 from microgripper_control.effects.registry import registry
@@ -45,6 +45,27 @@ def test_a_dead_time_costs_the_margins_that_it_should(identified: Identified, ti
     assert margins.gain == pytest.approx(2.0 * math.sin(math.pi / (4 * d + 2)) / g, rel=1e-4)
     phase = 90.0 - math.degrees((2 * d + 1) * math.asin(0.5 * g))
     assert margins.phase == pytest.approx(phase, abs=1e-3)
+
+
+@pytest.mark.parametrize("ticks", [0, 1, 7, 40])
+@pytest.mark.parametrize("kp", [0.0, 1e6])
+def test_a_loop_is_stable_where_all_its_roots_lie_inside(
+    identified: Identified, ticks: int, kp: float
+) -> None:
+    late = replace(identified, dead_time=ticks * T)
+    for ki in np.geomspace(1e7, 3e9, 15):
+        gains = PidGains(kp=kp, ki=float(ki))
+        above, below = _loop(late, gains, T)
+        whole = np.polyadd(np.append(below, np.zeros(1 + ticks)), above)
+        stable = bool(np.all(np.abs(np.roots(whole)) < 1.0))
+        assert (loop_margins(late, gains, T).gain > 0.0) == stable
+
+
+def test_a_dead_time_of_many_ticks_takes_no_time(identified: Identified) -> None:
+    late = replace(identified, dead_time=1.0)
+    gains = default_gains(late, 1e-4)
+    assert loop_margins(late, gains, 1e-4).gain > 2.0
+    assert gains.ki == pytest.approx(1.0 / (2.0 * late.gain), rel=0.05)
 
 
 @pytest.mark.parametrize("rate", [1e3, 2e3, 5e3, 20e3])

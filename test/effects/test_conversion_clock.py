@@ -92,6 +92,18 @@ def test_in_a_steady_state_it_goes_on_from_period_to_period() -> None:
         np.testing.assert_allclose(third[1:], three[-499:], rtol=0.0, atol=1e-12)
 
 
+@pytest.mark.parametrize("age", [0.0, 1e-3, 2.9e-3])
+def test_in_a_steady_state_each_sample_is_the_line_at_the_last_conversion(age: float) -> None:
+    model = nominal_model().with_link("sensor_lag", clock=3.7e-3, time_constant=0.0, averaging=0.0)
+    voltage = 80.0 - 80.0 * np.cos(2.0 * np.pi * np.arange(50) / 50.0)
+    steady = {"hold": Hold.FIRST, "initial": Initial.PERIODIC}
+    found = simulate(model, voltage, 1e-3, reading_age=age, **steady)
+    x = np.tile(simulate(nominal_model(), voltage, 1e-3, **steady), 3)
+    instants = 0.05 + 1e-3 * np.arange(50)
+    read = instants - (instants - 0.05 + age + 1e-12) % 3.7e-3
+    np.testing.assert_allclose(found, np.interp(read, 1e-3 * np.arange(150), x), atol=2e-9)
+
+
 @pytest.mark.parametrize(("delay", "clock"), [(0.86013e-3, 0.156137e-3), (0.93037e-3, 0.213172e-3)])
 def test_a_stiff_rig_has_followed_a_step_before_most_readings(delay: float, clock: float) -> None:
     """The same plant sampled 500 times as fast gives the position that each conversion meets."""

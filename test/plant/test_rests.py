@@ -64,10 +64,21 @@ def run(monkeypatch: pytest.MonkeyPatch) -> list[int]:
         with_friction(transport_delay={"delay": 2.4e-3}, slew_limit={"time": 1e-5}),
         with_friction(sensor_lag={"time_constant": 0.2}),
         with_friction(sensor_lag={"clock": 0.7e-3}),
+        with_friction(sensor_lag={"averaging": 0.6, "time_constant": 0.0}),
         nominal_model().with_link("slew_limit", time=5e-3),  # far from there when the rest begins
         SLOW.with_link("backlash", play=5e-6),  # which hides the mass on its way
     ],
-    ids=["friction", "creep", "long delay", "slew", "long lag", "clock", "slow slew", "play"],
+    ids=[
+        "friction",
+        "creep",
+        "long delay",
+        "slew",
+        "long lag",
+        "clock",
+        "average",
+        "slow slew",
+        "play",
+    ],
 )
 def test_a_rest_is_as_the_live_plant_has_it(model: Model) -> None:
     found = simulate(model, RESTS, PERIOD)

@@ -236,6 +236,23 @@ def test_a_smooth_voltage_from_rest_has_come_to_its_first_value_one_way(
     np.testing.assert_allclose(x, risen[-1], rtol=1e-12)
 
 
+def test_from_rest_the_material_has_seen_no_more_than_the_amplifier_gave(paper: Model) -> None:
+    limited = paper.with_link("saturation", low=0.0, high=120.0)
+    told, given = (np.full(20, volts) for volts in (160.0, 120.0))
+    found = simulate(limited, told, 1e-3, hold=Hold.FIRST)
+    np.testing.assert_allclose(found, simulate(paper, given, 1e-3, hold=Hold.FIRST), rtol=1e-6)
+
+
+def test_without_hysteresis_what_is_brought_along_fades(paper: Model) -> None:
+    steady = paper.with_values(
+        {("bouc_wen", "alpha"): 0.0, ("bouc_wen", "beta"): 0.3, ("bouc_wen", "gamma"): -0.01}
+    )
+    voltage = np.linspace(0.0, 160.0, 3)
+    found = simulate(steady, voltage, 1e-3, initial=Initial.FIRST_SAMPLE, initial_hysteresis=-1e-6)
+    assert np.all(np.isfinite(found))
+    assert abs(found[-1] - simulate(steady, voltage, 1e-3)[-1]) < 1e-12
+
+
 @pytest.mark.parametrize("hold", list(Hold))
 @pytest.mark.parametrize("amplitude", [80.0, 5.0])
 def test_a_periodic_voltage_meets_its_steady_cycle(

@@ -41,6 +41,7 @@ SMALLEST_GROWTH = 0.15  # of |h|^n in one step, because |h|^n is not smooth at z
 STRAIGHT = 1e-8  # so near zero that the terms in |h|^n are less than this beside alpha d
 SETTLED = 1e-6  # of the largest h: what a loop over all of the drive's range still changes it by
 MOST_LOOPS = 300  # until then
+FROM_REST = math.nan  # the level of an h that has come from rest, one way, with the voltage
 
 
 @inlined
@@ -173,7 +174,7 @@ def advance(h: float, du: float, a: float, beta: float, gamma: float, n: float) 
         new = h * (1.0 - c * grown) + feed * grown
         if new * du <= 0.0:
             return new
-        xi -= _travel_to_zero(-abs(h), a, c)
+        xi = max(0.0, xi - _travel_to_zero(-abs(h), a, c))  # rounding may have taken it there
         h = 0.0
     c = beta + gamma
     grown = filled(c, xi)
@@ -201,6 +202,8 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     d = values["d"]
     rows = np.array([[d, values["alpha"] * d, values["beta"], values["gamma"], values["n"]]])
     u, h = levels[VOLTAGE], levels[HYSTERESIS]
+    if math.isnan(h):  # `FROM_REST`
+        h = levels[HYSTERESIS] = advance(0.0, u, *rows[0, 1:])
     levels[FREE] = d * u - h
     _tell_of_the_past(rows[0], levels)
     state = np.array([u, h])

@@ -45,6 +45,8 @@ def time_constants(values: Values) -> Array:
 @compiled
 def _relaxed(late: float, falls: float) -> float:
     """What is left of activation (w - s) at the end of a step in which tanh(late / 2) `falls`."""
+    if abs(late) < 1.0:  # without loss: it is divided by the activation at each step
+        return 2.0 * math.atanh((1.0 - falls) * math.tanh(0.5 * late))
     small = math.exp(-abs(late))
     short = 2.0 * small / (1.0 + small)  # of tanh(|late| / 2), to 1
     left = math.log((1.0 + (1.0 - falls) * (1.0 - short)) / (falls + (1.0 - falls) * short))

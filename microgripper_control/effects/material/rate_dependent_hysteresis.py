@@ -32,7 +32,7 @@ from microgripper_control.core.compiled import compiled
 from microgripper_control.core.exponential import grown
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.quantities import number, percent, quantity
-from microgripper_control.core.signals import FREE, HYSTERESIS, VOLTAGE, Array, Timing
+from microgripper_control.core.signals import FREE, HYSTERESIS, PLACES, VOLTAGE, Array, Timing
 from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
 from microgripper_control.effects.widening_plays import PLAYS, at_rest, move_plays
 
@@ -92,7 +92,7 @@ def kernel(coefficients: Array, state: Array, bus: Array) -> None:
 
 
 def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
-    """The levels are left alone: at rest the rate is zero."""
+    """At rest the rate is zero: what is below the pivot then widens h that is not fed less."""
     memory, steps = values["memory"], np.array(timing.steps)
     about = math.log1p(values["pivot"] / values["reference"])
     resting = grown(-about, values["power"])
@@ -111,6 +111,7 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     )
     h, f = levels[HYSTERESIS], by_decade[0] * resting
     own = [levels[VOLTAGE], 0.0, h, f, -values["fed"] * f * h, h]
+    levels[PLACES + FREE] -= (1.0 - values["fed"]) * f * levels[PLACES + HYSTERESIS]
     state = np.append(own, at_rest(levels[VOLTAGE]))
     return Prepared(rows, state, timing.ramped)
 

@@ -114,6 +114,14 @@ def test_hardly_activated_it_is_the_row_of_elements(paper: Model, lively: Array)
     np.testing.assert_allclose(hardly, plain, rtol=0.0, atol=1e-3 * np.ptp(plain - without))
 
 
+def test_the_less_it_is_activated_the_nearer_it_comes_to_them(paper: Model) -> None:
+    step = np.append(0.0, np.full(2000, 80.0))
+    plain = simulate(paper.with_link("creep"), step, 1e-3)
+    for activation in (1.0, 1e-3, 1e-6, 1e-9):
+        hardly = simulate(paper.with_link("creep", activation=activation), step, 1e-3)
+        np.testing.assert_allclose(hardly, plain, rtol=0.0, atol=1e-10 * activation + 1e-15)
+
+
 def test_each_decade_adds_the_same_share() -> None:
     time = np.logspace(-1.0, 1.0, 201)  # well inside the range of the time constants
     grown = step_response(VALUES, time)

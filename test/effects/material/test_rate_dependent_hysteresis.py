@@ -8,7 +8,15 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from microgripper_control.core.signals import FREE, HYSTERESIS, ROWS, VOLTAGE, Array, Timing
+from microgripper_control.core.signals import (
+    FREE,
+    HYSTERESIS,
+    LEVELS,
+    ROWS,
+    VOLTAGE,
+    Array,
+    Timing,
+)
 from microgripper_control.effects.base import Scales
 from microgripper_control.effects.registry import link_named
 from microgripper_control.plant.hold import Hold
@@ -26,7 +34,7 @@ SCALED |= {"widest": 1.0, "growth": 0.0}
 def added(u: Array, h: Array, steps: tuple[float, ...], ramped: bool, **changed: float) -> Array:
     """What the link adds to the free displacement for given u and h."""
     link = link_named(LINK)
-    prepared = link.prepare(SCALED | changed, Timing(sum(steps), steps, ramped), np.zeros(ROWS))
+    prepared = link.prepare(SCALED | changed, Timing(sum(steps), steps, ramped), np.zeros(LEVELS))
     bus = np.zeros((ROWS, len(u)))
     bus[VOLTAGE], bus[HYSTERESIS] = u, h
     link.kernel(prepared.coefficients, prepared.state, bus)
@@ -178,6 +186,19 @@ def test_at_the_pivot_the_loop_is_the_paper_s(fed: float) -> None:
     np.testing.assert_allclose(out[-1], 0.0, atol=1e-9)
 
 
+@pytest.mark.parametrize("fed", [0.0, 0.4, 1.0])
+def test_with_a_pivot_a_rig_at_rest_stays_at_rest(paper: Model, fed: float) -> None:
+    model = paper.with_link("rate_dependent_hysteresis", fed=fed, pivot=1000.0).with_link("creep")
+    found = simulate(
+        model,
+        np.full(200, 80.0),
+        1e-3,
+        initial=Initial.FIRST_SAMPLE,
+        initial_hysteresis=1e-6,
+    )
+    assert np.ptp(found) < 1e-13
+
+
 def test_how_the_samples_are_called_does_not_matter() -> None:
     link = link_named(LINK)
     u = np.random.default_rng(4).normal(size=90).cumsum()
@@ -185,7 +206,7 @@ def test_how_the_samples_are_called_does_not_matter() -> None:
     whole = np.zeros((ROWS, 90))
     whole[VOLTAGE], whole[HYSTERESIS] = u, np.sin(u)
     parts = whole.copy()
-    prepared = link.prepare(values, Timing(1e-3, (1e-3,), False), np.zeros(ROWS))
+    prepared = link.prepare(values, Timing(1e-3, (1e-3,), False), np.zeros(LEVELS))
     link.kernel(prepared.coefficients, prepared.state.copy(), whole)
     for start in range(0, 90, 7):
         link.kernel(prepared.coefficients, prepared.state, parts[:, start : start + 7])
