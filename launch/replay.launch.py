@@ -38,7 +38,8 @@ def generate_launch_description() -> LaunchDescription:
 def nodes(context: LaunchContext) -> list[Action]:
     """The nodes; they wait for a recorder, too, so that the bag begins with the first sample."""
     out = LaunchConfiguration("out")
-    recorders = ["recorder"] if out.perform(context) else []
+    wanted = out.perform(context) != ""
+    recorders = ["recorder"] if wanted else []
     common = {
         "package": PACKAGE,
         "namespace": LaunchConfiguration("namespace"),
@@ -48,6 +49,12 @@ def nodes(context: LaunchContext) -> list[Action]:
     # As they stand: YAML would make a date of 2026-07-01.
     recording = ParameterValue(LaunchConfiguration("recording"), value_type=str)
     answer = ParameterValue(out, value_type=str)
+    recorder = Node(
+        executable="recorder",
+        ros_arguments=enclave("recorder"),
+        parameters=[file, {"out": answer}],
+        **common,
+    )
     return [
         Node(
             executable="player",
@@ -59,15 +66,7 @@ def nodes(context: LaunchContext) -> list[Action]:
             ],
             **common,
         ),
-        *(
-            Node(
-                executable=name,
-                ros_arguments=enclave(name),
-                parameters=[file, {"out": answer}],
-                **common,
-            )
-            for name in recorders
-        ),
+        *([recorder] if wanted else []),
         Node(
             executable="plant_simulator",
             ros_arguments=enclave("plant_simulator"),
