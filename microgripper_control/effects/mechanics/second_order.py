@@ -57,11 +57,13 @@ def _transition(m: float, b: float, k: float, k_s: float, step: float, ramped: b
     )
 
 
-def _difference(step: Array) -> Array:
+@lru_cache(maxsize=256)
+def _difference(m: float, b: float, k: float, k_s: float, period: float, ramped: bool) -> Array:
     """The map of a step, as `_transition` gives it, without the velocity (Cayley-Hamilton).
 
     Row: x from the last x, from the one before, and from the new w, the old and the one before.
     """
+    step = _transition(m, b, k, k_s, period, ramped)
     one, old, new = step[:4].reshape(2, 2), step[4:6], step[6:8]
     trace, determinant = one[0, 0] + one[1, 1], one[0, 0] * one[1, 1] - one[0, 1] * one[1, 0]
     rest = one - trace * np.eye(2)
@@ -128,11 +130,12 @@ def static_gain(values: Values) -> float:
 def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     """State: position, velocity and free displacement so far, or the last two of both positions."""
     m, b, k, k_s = (values[name] for name in ("m", "b", "k", "k_s"))
-    rows = [_transition(m, b, k, k_s, step, timing.ramped) for step in timing.steps]
     levels[PLACES + POSITION] = static_gain(values) * levels[PLACES + FREE]
     x, w = levels[POSITION], levels[FREE]
-    if len(rows) == 1 and mass_under_forces.natural_frequency(values) * timing.steps[0] > LONG:
-        return Prepared(_difference(rows[0])[None], np.array([x, x, w, w]), ramped=True)
+    if len(timing.steps) == 1 and math.sqrt((k + k_s) / m) * timing.steps[0] > LONG:
+        row = _difference(m, b, k, k_s, timing.steps[0], timing.ramped)
+        return Prepared(np.array([row]), np.array([x, x, w, w]), ramped=True)
+    rows = [_transition(m, b, k, k_s, step, timing.ramped) for step in timing.steps]
     return Prepared(np.array(rows), np.array([x, 0.0, w]), ramped=True)
 
 
