@@ -157,13 +157,13 @@ def model_path(name: str) -> Path:
 
     MicrogripperError where no file can have that name.
     """
+    path = expanded("model_file", name)
     try:
-        path = Path(name).expanduser()
         if path.exists() or path.is_absolute():
             return path
         packaged = share_folder() / "config" / path
         return packaged if packaged.is_file() else path
-    except (OSError, RuntimeError) as error:  # too long a name; no such user's home
+    except OSError as error:  # too long a name
         raise MicrogripperError(f"model_file: {name!r:.60}: {error!s:.120}") from None
 
 

@@ -12,8 +12,7 @@ from types import TracebackType
 from typing import Literal
 
 from rosbags.interfaces import Connection
-from rosbags.rosbag2 import ReaderError, StoragePlugin, Writer, WriterError
-from rosbags.rosbag2.metadata import parse_qos
+from rosbags.rosbag2 import StoragePlugin, Writer, WriterError
 from rosbags.rosbag2.storage_mcap import McapWriter
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
 from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
@@ -21,6 +20,7 @@ from rosbags.typesys.store import Typestore
 
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.folder_lock import FolderLock
+from microgripper_control.recordings.offered_qos import profiles_in
 
 STORAGES = {"mcap": StoragePlugin.MCAP, "sqlite3": StoragePlugin.SQLITE3}
 VERSION: Literal[9] = 9  # of the bag's metadata: ROS 2 Jazzy's
@@ -93,9 +93,9 @@ class BagWriter:
         if name in self._topics:
             raise MicrogripperError(f"{self.path}: topic {name} is there already")
         try:
-            profiles = parse_qos(qos)
-        except (ReaderError, LookupError, TypeError, ValueError, AttributeError, RecursionError):
-            raise MicrogripperError(f"{self.path}: topic {name}: bad QoS {qos!r:.60}") from None
+            profiles = profiles_in(qos)
+        except MicrogripperError as error:
+            raise MicrogripperError(f"{self.path}: topic {name}: {error}") from None
         try:
             with self._writing():
                 self._topics[name] = self._writer.add_connection(

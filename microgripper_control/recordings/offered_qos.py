@@ -9,9 +9,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import yaml
-from rosbags.interfaces import QosDurability, QosHistory, QosLiveliness, QosReliability
+from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability
 from rosbags.rosbag2 import ReaderError
 from rosbags.rosbag2.metadata import parse_qos
+
+from microgripper_control.core.errors import MicrogripperError
 
 FOREVER = {"sec": 2147483647, "nsec": 4294967295}  # as rosbag2 writes it
 
@@ -41,11 +43,19 @@ class Offered(NamedTuple):
         return text
 
 
+def profiles_in(text: str) -> list[Qos]:
+    """The profiles in rosbag2's YAML; MicrogripperError where it holds something else."""
+    try:
+        return parse_qos(text)
+    except (ReaderError, LookupError, TypeError, ValueError, AttributeError, RecursionError):
+        raise MicrogripperError(f"bad QoS {text!r:.60}") from None
+
+
 def offered(text: str) -> Offered:
     """What profiles in rosbag2's YAML offer; the usual where there are none, or none are read."""
     try:
-        profiles = parse_qos(text)
-    except (ReaderError, LookupError, TypeError, ValueError, AttributeError, RecursionError):
+        profiles = profiles_in(text)
+    except MicrogripperError:
         profiles = []
     if not profiles:
         return Offered()

@@ -129,14 +129,15 @@ def residuals_of(evidence: Evidence, model: Model) -> Residuals:
     """What a model leaves where it was fitted and where it is judged."""
     recordings = [*evidence.fitted, *evidence.judged]
     said = [*_of_the_fitted(evidence, model), *evidence.predictions(model)]
-    left = _left(recordings, said)
-    count = len(evidence.fitted)
-    return Residuals(left[:count], left[count:], _usual(said))
+    usual = _usual(said)
+    left, count = _left(recordings, said, usual), len(evidence.fitted)
+    return Residuals(left[:count], left[count:], usual)
 
 
 def fitted_residuals(evidence: Evidence, model: Model) -> list[Residual]:
     """What a model leaves where it was fitted."""
-    return _left(evidence.fitted, _of_the_fitted(evidence, model))
+    said = _of_the_fitted(evidence, model)
+    return _left(evidence.fitted, said, _usual(said))
 
 
 def _of_the_fitted(evidence: Evidence, model: Model) -> list[Heldout]:
@@ -148,8 +149,7 @@ def _of_the_fitted(evidence: Evidence, model: Model) -> list[Heldout]:
     ]
 
 
-def _left(recordings: Sequence[Recording], said: Sequence[Heldout]) -> list[Residual]:
-    usual = _usual(said)
+def _left(recordings: Sequence[Recording], said: Sequence[Heldout], usual: float) -> list[Residual]:
     return [
         Residual(r, r.measured - one.prediction, one.counted, one.zero - usual)
         for r, one in zip(recordings, said, strict=True)

@@ -131,9 +131,9 @@ def prepare(values: Values, timing: Timing, levels: Array) -> Prepared:
     """State: position, velocity and free displacement so far, or the last two of both positions."""
     m, b, k, k_s = (values[name] for name in ("m", "b", "k", "k_s"))
     levels[PLACES + POSITION] = static_gain(values) * levels[PLACES + FREE]
-    x, w = levels[POSITION], levels[FREE]
-    if len(timing.steps) == 1 and math.sqrt((k + k_s) / m) * timing.steps[0] > LONG:
-        row = _difference(m, b, k, k_s, timing.steps[0], timing.ramped)
+    x, w, first = levels[POSITION], levels[FREE], timing.steps[0]
+    if len(timing.steps) == 1 and mass_under_forces.natural_frequency(values) * first > LONG:
+        row = _difference(m, b, k, k_s, first, timing.ramped)
         return Prepared(np.array([row]), np.array([x, x, w, w]), ramped=True)
     rows = [_transition(m, b, k, k_s, step, timing.ramped) for step in timing.steps]
     return Prepared(np.array(rows), np.array([x, 0.0, w]), ramped=True)
