@@ -241,6 +241,11 @@ def no_step_of_its_own(coefficients: Array, state: Array, bus: Array) -> None:
 Law = Callable[[Array, Array, Array, float, float, float, float], float]
 
 
+def undamped(values: Values) -> float:
+    """A force that asks for the place of the mass and its path, not for its speed."""
+    return 0.0
+
+
 def nothing_released(values: Values) -> float:
     """A force that holds, when a run begins, all that the way there has made of it."""
     return 0.0
@@ -261,6 +266,7 @@ class Force:
     states: int = 0
     fading: bool = False  # whether its state goes with time and is as smooth as the motion
     brakes: bool = False  # whether its speed may count so much that it must be solved for
+    damping: Callable[[Values], float] = undamped  # N s/m, the largest that is not solved for
     released: Callable[[Values], float] = nothing_released  # 1 if it has let go before a run begins
 
 

@@ -10,7 +10,7 @@ omega = sqrt((k + k_s + stiffness of the forces)/m), and dies away at a rate lam
   behind wants to see the mass on its way.
 - A mass that still moves at the end of the step needs FINE radians of the ringing a substep, and
   FINE_BY_PATH where forces follow the path; coarser ones do where much has died away by the end,
-  or where such forces are weak beside k + k_s.
+  or where such forces are weak beside k + k_s, and finer ones are needed where such forces damp.
 
 Measured against tight integration at 200 Hz to 20 kHz, for forces that do up to 0.2 um beside the
 paper's actuator and the maker's figures: 1e-9 m for a smooth voltage, 3e-9 m for jumps by 80 V at
@@ -29,6 +29,7 @@ import numpy as np
 from scipy.linalg import expm
 
 from microgripper_control.core.compiled import address_of
+from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.signals import FREE, HIGH, LOW, POSITION, ROWS, Array, Timing
 from microgripper_control.effects import force_balance as layout
 from microgripper_control.effects.base import Load, Prepared, Values
@@ -39,6 +40,8 @@ FINE_BY_PATH = 0.16  # rad; for weak forces that follow it, by their share in th
 COARSER = 6.0  # times that, at most, where the ringing dies away within the step
 PIECES = 4.5  # of a half swing of such a ringing, times the root of the forces' share
 WEAKEST = 0.04  # share of the forces in the stiffness: weaker ones are not treated coarser
+DAMPED = 4.0  # so much finer, times what those forces damp over m omega,
+MOST_DAMPED = 10.0  # which is followed up to here; from 2 on nothing rings
 SHORT = 3.3  # rad, up to which F runs along a parabola
 AT_REST = 4.0  # time constants after which the course of a substep does not matter,
 AT_REST_SMOOTHLY = 2.4  # and where w runs from corner to corner and the mass hardly rings
@@ -52,13 +55,16 @@ FAST = 0.5  # rad a sample: slower ringing is drawn by the samples, and a fit fi
 
 
 def prepare(values: Values, timing: Timing, levels: Array, loads: Sequence[Load]) -> Prepared:
-    """As `second_order.prepare`. At rest the mass has come slowly, as h has it."""
+    """As `second_order.prepare`. At rest the mass has come slowly, as h has it.
+
+    Raises MicrogripperError where forces damp more than can be followed.
+    """
     loads = sorted(loads, key=lambda load: load[0].brakes)  # those that brake come last
     laws = _laws(loads)
     omega = natural_frequency(values, loads)
     substeps = []
     by_path = any(force.states and not force.fading for force, _ in loads)
-    divided = _divisions(values, omega, timing, by_path)
+    divided = _divisions(values, omega, timing, by_path, _finer(values, omega, loads))
     own = (values["m"], values["b"], values["k"], values["k_s"])
     for step, spans in zip(timing.steps, divided, strict=True):
         substeps.append(_substeps(own, omega, step, tuple(spans), timing.ramped))
@@ -70,6 +76,18 @@ def prepare(values: Values, timing: Timing, levels: Array, loads: Sequence[Load]
     )
     levels[POSITION] = _go(still, state, levels[[FREE]])[0]  # only refines
     return Prepared(np.vstack([*laws, *substeps]), state, ramped=True)
+
+
+def _finer(values: Values, omega: float, loads: Sequence[Load]) -> float:
+    """How much finer substeps have to be because forces damp."""
+    most = MOST_DAMPED * values["m"] * omega
+    damping = sum(force.damping(given) for force, given in loads)
+    if damping > most:
+        raise MicrogripperError(
+            f"a force damps by {damping:g} N*s/m; beside these mechanics up to {most:.0f} can be "
+            "followed, and far less keeps them from ringing: lower the damping of friction"
+        )
+    return 1.0 + DAMPED * MOST_DAMPED * damping / most
 
 
 def _laws(loads: Sequence[Load]) -> list[Array]:
@@ -143,19 +161,20 @@ def _rest(values: Values) -> Array:
 
 
 def _divisions(
-    values: Values, omega: float, timing: Timing, by_path: bool
+    values: Values, omega: float, timing: Timing, by_path: bool, finer: float
 ) -> Iterator[list[float]]:
     """The substeps of each step of the bus, s."""
     steps = timing.steps
     if timing.ramped or not by_path:
-        yield from (_division(values, omega, step, timing.ramped, by_path) for step in steps)
+        for step in steps:
+            yield _division(values, omega, step, timing.ramped, by_path, finer)
         return
     begin = 0
     while begin < len(steps):  # the ringing after a jump goes on over the steps without one
         end = begin + 1
         while end in timing.quiet:
             end += 1
-        spans = _division(values, omega, sum(steps[begin:end]), False, True)
+        spans = _division(values, omega, sum(steps[begin:end]), False, True, finer)
         yield from _cut(spans, steps[begin:end])
         begin = end
 
@@ -171,17 +190,18 @@ def _cut(spans: Sequence[float], steps: Sequence[float]) -> Iterator[list[float]
 
 
 def _division(
-    values: Values, omega: float, step: float, ramped: bool, by_path: bool
+    values: Values, omega: float, step: float, ramped: bool, by_path: bool, finer: float
 ) -> list[float]:
-    """The substeps of a step of the bus, s."""
+    """The substeps of a step of the bus, s; `finer` ones by that factor where forces damp."""
     own = natural_frequency(values)
     half = values["b"] / (2.0 * values["m"])
     decay = half - math.sqrt(max(0.0, half**2 - own**2))
     share = max(WEAKEST, 1.0 - (own / omega) ** 2)
-    fine = FINE_BY_PATH / share**0.25 if by_path else FINE  # by place, they may stiffen as they go
+    # By place, they may stiffen as they go.
+    fine = (FINE_BY_PATH / share**0.25 if by_path else FINE) / finer
     if by_path and not ramped and half < own:
         lasting = math.exp(-decay * step / 2.5)
-        pieces = lasting * math.pi / fine + (1.0 - lasting) * PIECES * math.sqrt(share)
+        pieces = lasting * math.pi / fine + (1.0 - lasting) * PIECES * math.sqrt(share) * finer
         pieces = max(1, round(pieces))  # whole ones: the mass turns where they meet
         span = math.pi / math.sqrt(omega**2 - half**2) / pieces
         if decay * step > DIED_AWAY + AT_REST:

@@ -118,6 +118,10 @@ def stiffness(values: Values) -> float:
     return values["stiffness"]
 
 
+def damping(values: Values) -> float:
+    return (1.0 - values["distributed"]) * values["damping"]
+
+
 def starts(scales: Scales) -> Sequence[Values]:
     """A hundredth of the rig's force, which sticks over more or less of the stroke.
 
@@ -211,7 +215,9 @@ LINK = Link(
         "Dahl 1968; Canudas de Wit et al. 1995 (LuGre); Dupont et al. 2002 (elasto-plastic); "
         "Lampaert, Al-Bender and Swevers 2003 (Maxwell slip)"
     ),
-    force=Force(law, coefficients, stiffness, states=1 + SPRINGS, released=released),
+    force=Force(
+        law, coefficients, stiffness, states=1 + SPRINGS, damping=damping, released=released
+    ),
     parameters=(
         Parameter("coulomb", "N", 10.0, 0.0, 1e6, "friction force when sliding", 0.0),
         Parameter("stiffness", "N/m", 2e7, 1.0, 1e13, "stiffness of what sticks, before it slides"),
