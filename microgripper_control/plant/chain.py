@@ -50,8 +50,7 @@ class Chain:
         random: bool = False,
         reading_age: float = 0.0,
     ) -> None:
-        links = [(link, model.values(link.name)) for link in model.links]
-        links = [(link, values) for link, values in links if random or not link.random]
+        links = [(link, values) for link, values in model.at_work if random or not link.random]
         clock = model.clock
         jumps, breaks = _edges(links, sample_period, hold, clocked=clock > 0.0)
         jumps |= {i / divisions for i in range(divisions)}

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from types import MappingProxyType
 
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.signals import Array
-from microgripper_control.effects.base import Link
+from microgripper_control.effects.base import Link, Values
 from microgripper_control.effects.bouc_wen_behaviour import BehaviourClass, behaviour
 from microgripper_control.effects.registry import link_named, registry
 
@@ -83,13 +84,21 @@ class Model:
         plain = {name: dict(settings) for name, settings in self.settings.items()}
         return Model, (self.name, self.voltage_range, plain, self.description, self.origin)
 
-    @property
-    def links(self) -> list[Link]:
-        """The links that are at work, in the order of the chain; those that are off are absent."""
-        present = (registry()[name] for name in self.settings)
-        return [link for link in present if not link.is_off(self.values(link.name))]
+    @cached_property
+    def at_work(self) -> Sequence[tuple[Link, Values]]:
+        """The links in the order of the chain, with their numbers; those that are off are absent.
+
+        Kept, and the numbers not to be changed: most models are simulated over and over.
+        """
+        present = [(registry()[name], self.values(name)) for name in self.settings]
+        return [(link, values) for link, values in present if not link.is_off(values)]
 
     @property
+    def links(self) -> list[Link]:
+        """The links that are at work, in the order of the chain."""
+        return [link for link, _ in self.at_work]
+
+    @cached_property
     def clock(self) -> float:
         """Between conversions of a sensor with a clock of its own, s; 0 if it has none."""
         return max((self.value(*key) for key in self._clocks), default=0.0)

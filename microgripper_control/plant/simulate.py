@@ -106,11 +106,11 @@ def sensed(model: Model, name: str, positions: Array, sample_period: float) -> A
 
 def _run(chain: Chain, drive: Drive, rests: Sequence[slice], positions: Array) -> None:
     """Fill in the positions after each sample period, a block of them at a time."""
-    bus = np.empty((ROWS, 0))
-    for begin, end, resting in _blocks(rests, len(positions), max(1, BLOCK // chain.steps)):
+    most = max(1, BLOCK // chain.steps)
+    room = np.empty(ROWS * chain.steps * min(most, len(positions)))
+    for begin, end, resting in _blocks(rests, len(positions), most):
         part = positions[begin:end]
-        if bus.shape[1] != len(part) * chain.steps:
-            bus = np.empty((ROWS, len(part) * chain.steps))
+        bus = room[: ROWS * chain.steps * len(part)].reshape(ROWS, -1)
         drive(bus, begin)
         if resting:
             chain.rest(bus)
