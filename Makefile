@@ -39,7 +39,8 @@ test: install
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
-	$(BIN)/pytest
+	$(BIN)/pytest --numprocesses auto --dist worksteal -m 'not ros'
+	$(BIN)/pytest -m ros  # by themselves: nodes keep time
 
 chaos: install
 	$(BIN)/python test/chaos --keep docs/reliability.md

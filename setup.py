@@ -42,6 +42,7 @@ TEST = [
     "hypothesis>=6.100,<7",  # properties on drawn inputs
     "mypy>=2.4,<2.5",  # types
     "pytest>=9,<10",  # runs the tests
+    "pytest-xdist>=3.8,<4",  # one on each core
     "ruff>=0.17.5,<0.18",  # style; a later one formats otherwise
     "types-PyYAML>=6.0.12,<6.1",  # types of PyYAML
 ]

@@ -77,6 +77,20 @@ def test_the_plain_answer_wins(given: Facts, expected: frozenset[str]) -> None:
     assert max(weighed, key=lambda explanation: weighed[explanation]) == expected
 
 
+def test_a_gain_that_leaves_less_than_a_drift_is_no_drift() -> None:
+    drift = frozenset(["thermal_drift"])
+    given = replace(facts(300.0, 200.0), tried={drift: alike(35.0)})
+    assert weigh(given)[drift] > weigh(given)[OUTSIDE]
+    for left, is_drift in ((16.0, False), (34.0, True)):
+        weighed = weigh(replace(given, gains={drift: alike(left)}))
+        assert (weighed[drift] > weighed[OUTSIDE]) == is_drift
+
+
+def test_an_unknown_law_is_held_against_the_model_as_given_if_a_refit_foretells_worse() -> None:
+    bent = replace(facts(36.0, 40.0), refit=Left(106.0 * NM, 35.0 * NM))
+    assert weigh(bent)[OUTSIDE] > weigh(bent)[NOTHING]
+
+
 def test_of_equally_good_explanations_the_one_of_its_usual_size_is_believed() -> None:
     both = facts(300.0, 60.0, creep=15.5, lag=15.5)
     weighed = weigh(replace(both, unusual={CREEP: 1.0, LAG: 0.0}))

@@ -18,7 +18,8 @@ one for each other, a little for each parameter that is at work; less where thei
 there and more where they should be and are not; and more for what is left of the gap where an
 effect's name leaves its law little choice.
 `none` is the nominal model as it was given, `parameters` the refit, `unknown` a law that is not in
-the library and leaves the share `unknown_rest` of the gap.
+the library and leaves the share `unknown_rest` of the gap, or a gain that changes slowly and leaves
+less than a drift does (`fits.gain_course`).
 
 The constants of `Weights` were fitted to cases of two rigs that share no code with the library (one
 is that of `validation/`, form a, seeds below 10000), and to the same cases with the right effect
@@ -28,8 +29,9 @@ left out of the library; `docs/calibration.md` says which.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -38,6 +40,7 @@ from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.data.grid import unrounded
 from microgripper_control.diagnosis.data.noise import removable
 from microgripper_control.diagnosis.findings import NONE, PARAMETERS, UNKNOWN, Signature
+from microgripper_control.diagnosis.fits.gain_course import DRIFT, gain_over_drift
 from microgripper_control.diagnosis.fits.trial import Trial, evenly
 from microgripper_control.diagnosis.search.pool import Pool, is_read_off
 from microgripper_control.effects.registry import registry
@@ -125,6 +128,7 @@ class Facts:
     floor: float
     independent: float
     tried: Mapping[Explanation, Left]
+    gains: Mapping[Explanation, Left] = field(default_factory=dict)  # with a gain's for a drift
     signs: Mapping[str, bool | None] = field(default_factory=dict)  # effect: does it agree?
     unusual: Mapping[Explanation, float] = field(default_factory=dict)  # `Link.unusual`, summed
     beyond: Mapping[Explanation, int] = field(default_factory=dict)  # parameters over the usual
@@ -139,6 +143,7 @@ class Facts:
             floor=pool.noise_floor,
             independent=independent_samples(pool.refit.errors),
             tried={effects: explained(effects, trial, pool) for effects, trial in tried.items()},
+            gains=dict(_with_gains(tried, pool)),
             signs={signature.effect: signature.agrees for signature in signatures},
             unusual={effects: _unusual(effects, trial, pool) for effects, trial in tried.items()},
             beyond={effects: _beyond(effects, trial) for effects, trial in tried.items()},
@@ -148,6 +153,18 @@ class Facts:
 def _all_act(effects: Explanation, trial: Trial) -> bool:
     """Whether none of several effects was fitted away: the others were tried without it."""
     return len(effects) == 1 or effects <= {link.name for link in trial.model.links}
+
+
+def _with_gains(
+    tried: Mapping[Explanation, Trial], pool: Pool
+) -> Iterator[tuple[Explanation, Left]]:
+    """Of the best drift by itself and beside another effect, with what a gain's course leaves."""
+    for size in (1, 2):
+        drifts = [effects for effects in tried if DRIFT in effects and len(effects) == size]
+        if drifts:
+            best = min(drifts, key=lambda effects: tried[effects].both)
+            ratio = gain_over_drift(pool.evidence, tried[best])
+            yield best, Left(*(ratio * error for error in explained(best, tried[best], pool)))
 
 
 def _unusual(effects: Explanation, trial: Trial, pool: Pool) -> float:
@@ -189,38 +206,69 @@ def _unclosed(left: Left, gap: Left, floor: float) -> float:
     return Left(*shares).both
 
 
-def weigh(facts: Facts, weights: Weights = CALIBRATED) -> dict[Explanation, float]:
-    """The probability of each explanation; they sum to one."""
-    count = min(max(facts.independent, weights.least), weights.most)
-    gap = Left(*(removable(error, facts.floor) for error in facts.refit))
+@dataclass(frozen=True)
+class _Scale:
+    """Facts and the weights that they are given."""
 
-    floor = facts.floor**2
-    before = np.square(np.maximum(facts.refit, facts.floor))
+    facts: Facts
+    weights: Weights
 
-    def gain(left: Left, slack: Array) -> float:
-        rest = np.square(np.maximum(left, facts.floor))
+    @cached_property
+    def gap(self) -> Left:
+        """What of the refit's errors could be removed, m."""
+        return Left(*(removable(error, self.facts.floor) for error in self.facts.refit))
+
+    def evidence(self, left: Left) -> float:
+        """For what leaves so much: both terms of E."""
+        weights, count = self.weights, self.facts.independent
+        mismatched = (weights.mismatch * np.array(self.gap)) ** 2 + TINY
+        nearly_exact = np.full(2, (NEARLY - 1.0) * self.facts.floor**2 + TINY)
+        counted = min(max(count, weights.least), weights.most) * self._gain(left, mismatched)
+        return counted + weights.exact * self._gain(left, nearly_exact)
+
+    def _gain(self, left: Left, slack: Array) -> float:
+        floor = self.facts.floor
+        before, rest = (np.square(np.maximum(one, floor)) for one in (self.facts.refit, left))
         shrunk = 0.5 * np.log((before + slack) / (rest + slack))
-        return float(shrunk @ (1.0, weights.fitted))
+        return float(shrunk @ (1.0, self.weights.fitted))
 
-    mismatched = (weights.mismatch * np.array(gap)) ** 2 + TINY
-    nearly_exact = np.full(2, (NEARLY - 1.0) * floor + TINY)
-
-    def evidence(left: Left) -> float:
-        return count * gain(left, mismatched) + weights.exact * gain(left, nearly_exact)
-
-    logs = {NOTHING: evidence(facts.nominal) + weights.none, MISTUNED: 0.0}
-    rest = Left(*(float(np.hypot(facts.floor, weights.unknown_rest * error)) for error in gap))
-    logs[OUTSIDE] = evidence(rest) - weights.unknown
-    for effects, left in facts.tried.items():
+    def odds(self, effects: Explanation, left: Left) -> float:
+        """What is held against an explanation by effects that leaves so much."""
+        facts, weights = self.facts, self.weights
         odds = weights.effect + (len(effects) - 1) * weights.further
         odds += weights.unusual * facts.unusual.get(effects, 0.0)
         odds += weights.parameter * facts.beyond.get(effects, 0)
-        unclosed = _unclosed(left, gap, facts.floor)
+        unclosed = _unclosed(left, self.gap, facts.floor)
         for name in sorted(effects):
             odds += unclosed * LEAVING.get(name, weights.leaving)
             if facts.signs.get(name) is not None:
                 odds += -AGREES.get(name, 0.0) if facts.signs[name] else weights.contradicts
-        logs[effects] = evidence(left) - odds
+        return odds
+
+    @property
+    def outside(self) -> float:
+        """Log-odds of a cause that is not in the library."""
+        weights, floor = self.weights, self.facts.floor
+        # A refit to what its parameters cannot do may foretell worse than the model as given.
+        least = np.minimum(self.gap, [removable(error, floor) for error in self.facts.nominal])
+        rest = Left(*np.hypot(floor, weights.unknown_rest * least))
+        found = [self.evidence(rest) - weights.unknown]
+        for effects, left in self.facts.gains.items():  # as likely as it, were it a drift
+            odds = self.odds(effects, left) + weights.unknown - weights.effect
+            found.append(self.evidence(left) - odds)
+        return float(np.logaddexp.reduce(found))
+
+
+def weigh(facts: Facts, weights: Weights = CALIBRATED) -> dict[Explanation, float]:
+    """The probability of each explanation; they sum to one."""
+    scale = _Scale(facts, weights)
+    logs = {
+        NOTHING: scale.evidence(facts.nominal) + weights.none,
+        MISTUNED: 0.0,
+        OUTSIDE: scale.outside,
+    }
+    for effects, left in facts.tried.items():
+        logs[effects] = scale.evidence(left) - scale.odds(effects, left)
     largest = max(logs.values())
     parts = {explanation: float(np.exp(log - largest)) for explanation, log in logs.items()}
     total = math.fsum(parts.values())  # in whatever order they were tried

@@ -293,5 +293,10 @@ def promise(
 
 
 def polish(evidence: Evidence, trial: Trial) -> Trial:
-    """Fit on with fresh derivatives."""
-    return refined(evidence, trial, ROUGH, STEPS)
+    """Fit on with fresh derivatives, in rounds as long as each leaves clearly less."""
+    for _ in range(ROUNDS):
+        before = trial.fitted_rmse
+        trial = refined(evidence, trial, ROUGH, STEPS)
+        if not trial.fitted_rmse < FALLING * before:
+            break
+    return trial

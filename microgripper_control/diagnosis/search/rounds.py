@@ -152,7 +152,11 @@ def _by_itself(name: str, pool: Pool) -> list[Values]:
 def _going_on(
     evidence: Evidence, before: Trial, found: Sequence[Trial], alone: bool, pool: Pool
 ) -> list[Trial]:
-    """Those found that leave no more than so many times the least."""
+    """Those found that leave no more than so many times the least; of lags each, if one leads.
+
+    A lag of high order begins far off, the more so from base parameters that had made up for it,
+    and ends as near as another that is ahead.
+    """
     near = NEARER if alone and not pool.unexplained else NEAR
     fits = [t for t in found if t.free != before.free and np.isfinite(t.fitted_rmse)]
     others = [trial for trial in pool.tried.values() if len(trial.free) > len(before.free)]
@@ -164,7 +168,14 @@ def _going_on(
     gained = max(0.0, before.fitted_rmse**2 - least**2)
     limit = min(NEAR_IF_COSTLY * least, math.sqrt(before.fitted_rmse**2 - HELPED * gained))
     few = 1 if costly and not alone and is_long(evidence, costly[0].model) else FEW
+    leading = added(evidence, pool.leader)
+    lags_race = alone and bool(leading) and all(map(_is_lag, leading))
+
+    def is_near(trial: Trial) -> bool:
+        races = lags_race and all(map(_is_lag, added(evidence, trial)))
+        return races or trial.fitted_rmse < near * least
+
     return [
-        *(trial for trial in cheap if trial.fitted_rmse < near * least),
+        *filter(is_near, cheap),
         *[trial for trial in costly if trial.fitted_rmse < limit][:few],
     ]
