@@ -3,7 +3,8 @@
 The usual bag has one topic `joint_states`, whose every message is a whole sample (`effort` carries
 the drive voltage). Bags of other rigs may hold the quantities on two topics: the displacement's
 samples are the clock then, and each is given the newest voltage stamped at or before it, as a
-converter would hold it.
+converter would hold it. Where a clock sends the voltage and some of it is missing, it would be held
+for too long: those samples are left out.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.recording import Recording
@@ -37,6 +39,9 @@ USUAL_TOPICS = {
     "setpoint": ("setpoint", FLOAT64),
 }
 SAME_INSTANT = 0.01  # of the sample period: a voltage stamped later by less is not late
+FEWEST = 10  # intervals between voltages that tell whether they are sent by a clock
+LONGEST_HOLD = 3.0  # of its periods: a voltage that is older is not what was applied
+MOST_UNUSED = 0.5  # of the voltages
 
 
 @dataclass(frozen=True)
@@ -262,17 +267,45 @@ def _two_topics(
     else:
         clock, given, of = answer.stamps, drive.stamps, "stamp"
     tolerance = SAME_INSTANT * np.median(np.diff(clock)) if len(clock) > 1 else 0.0
-    order = np.argsort(given, kind="stable")
-    newest = np.searchsorted(given[order], clock + int(tolerance), side="right") - 1
-    begun = newest >= 0
     notes.append(
         f"voltage ({voltage.topic.name}) and displacement ({displacement.topic.name}) come apart: "
         f"each displacement was given the newest voltage by {of}"
     )
-    if not np.all(begun):
-        notes.append(f"dropped before the first voltage: {np.count_nonzero(~begun)} samples")
-    values = drive.values[order, 0][newest[begun]]
-    return answer.received[begun], _samples(clock[begun], values, answer.values[begun, 0])
+    order = np.argsort(given, kind="stable")
+    newest = np.searchsorted(given[order], clock + int(tolerance), side="right") - 1
+    known = _known(given[order], clock - tolerance, newest, notes)
+    values = drive.values[order, 0][newest[known]]
+    return answer.received[known], _samples(clock[known], values, answer.values[known, 0])
+
+
+def _known(given: Integers, clock: Array, newest: Integers, notes: list[str]) -> NDArray[np.bool_]:
+    """Which displacements have the voltage that was applied, shape (displacements,).
+
+    That at `clock[i]` (ns) has the one of `given[newest[i]]` (ns, rising), or none if it is -1.
+    """
+    known = newest >= 0
+    if not np.all(known):
+        notes.append(f"dropped before the first voltage: {np.count_nonzero(~known)} samples")
+    late = known & (clock - given[newest] > _longest_hold(given))
+    if np.any(late):
+        count = np.count_nonzero(late)
+        notes.append(f"no voltage in time for {count} displacements; they were left out")
+        known &= ~late
+    unused = len(given) - len(np.unique(newest[known]))
+    if unused > MOST_UNUSED * len(given):
+        notes.append(
+            f"{unused} of {len(given)} voltages were not used: no displacement was read at them"
+        )
+    return known
+
+
+def _longest_hold(given: Integers) -> float:
+    """How long a voltage of rising times (ns) may stand, ns: for ever if no clock sends it."""
+    intervals = np.diff(given)
+    if len(intervals) < FEWEST:
+        return np.inf
+    period = float(np.median(intervals))
+    return LONGEST_HOLD * period if np.quantile(intervals, 0.9) < 2.0 * period else np.inf
 
 
 def _samples(stamps: Integers, voltage: Array, displacement: Array | None) -> Samples:

@@ -18,6 +18,7 @@ from bag_messages import (
 from rosbags.rosbag2 import Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
+from microgripper_control.core.recording import Recording
 from microgripper_control.recordings.bag_writer import STORAGES
 from microgripper_control.recordings.mapping import Mapping
 from microgripper_control.recordings.read import read_recording
@@ -66,6 +67,57 @@ def test_two_topics_with_stamps_are_aligned_by_them(tmp_path: Path) -> None:
     recording = read_recording(write(tmp_path / "run", sent), maps)
     assert np.array_equal(recording.voltage, np.arange(float(COUNT)))
     assert recording.warnings[0].endswith("was given the newest voltage by stamp")
+
+
+def two_topics(path: Path, voltages: list[int], displacements: list[int]) -> Recording:
+    """Sample k has k volts and k micrometres; some of each were recorded, at k milliseconds."""
+    sent = [float64(k * PERIOD, "/amplifier", float(k)) for k in voltages]
+    sent += [float64(k * PERIOD + 5, "/gauge", float(k)) for k in displacements]
+    maps = Mapping.parse(["voltage=/amplifier", "displacement=/gauge*1e-6"])
+    return read_recording(write(path, sent), maps)
+
+
+def test_samples_without_a_voltage_in_time_do_not_count(tmp_path: Path) -> None:
+    """A voltage is held for three of its periods; then so many messages are lost."""
+    recording = two_topics(tmp_path / "run", [*range(100), *range(130, 400)], [*range(400)])
+    assert np.array_equal(np.flatnonzero(~recording.present), np.arange(103, 130))
+    applied = np.minimum(np.arange(103), 99)
+    assert np.array_equal(recording.voltage[:103], applied)
+    assert recording.warnings[1] == "no voltage in time for 27 displacements; they were left out"
+    assert recording.warnings[2].startswith("missing samples: 27, ")
+
+
+def test_a_voltage_that_ends_early_ends_the_recording(tmp_path: Path) -> None:
+    recording = two_topics(tmp_path / "run", [*range(300)], [*range(3000)])
+    assert len(recording) == 303
+    assert "no voltage in time for 2697 displacements; they were left out" in recording.warnings
+
+
+@pytest.mark.parametrize("sent", [[0, 100], [*range(0, 60, 5), *range(100, 400, 150)], [0]])
+def test_a_voltage_that_is_sent_when_it_changes_is_held(tmp_path: Path, sent: list[int]) -> None:
+    recording = two_topics(tmp_path / "run", sent, [*range(400)])
+    assert len(recording) == 400
+    assert recording.present.all()
+    assert recording.voltage[-1] == sent[-1]
+
+
+def test_voltages_that_no_displacement_was_read_at_are_told(tmp_path: Path) -> None:
+    recording = two_topics(tmp_path / "run", [*range(400)], [*range(0, 400, 10)])
+    assert recording.warnings[1:] == (
+        "360 of 400 voltages were not used: no displacement was read at them",
+    )
+    assert len(two_topics(tmp_path / "half", [*range(400)], [*range(0, 400, 2)]).warnings) == 1
+
+
+def test_voltages_are_taken_in_the_order_of_their_stamps(tmp_path: Path) -> None:
+    sent = []
+    for k in range(COUNT):
+        at = (k ^ 1) * PERIOD  # of two in a row the second is received first
+        sent.append(joint_state(k * PERIOD, [1e-6 * k], [], topic="/gauge"))
+        sent.append(joint_state(at + 9, [], [float(k)], topic="/drive", stamp=k * PERIOD))
+    maps = Mapping.parse(["voltage=/drive", "displacement=/gauge"])
+    recording = read_recording(write(tmp_path / "run", sent), maps)
+    assert np.array_equal(recording.voltage, np.arange(float(COUNT)))
 
 
 @pytest.mark.parametrize("storage", STORAGES)
