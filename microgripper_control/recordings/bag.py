@@ -106,29 +106,13 @@ class Bag:
                 yield topic, int(block.received[index]), block.message(index)
 
     def _open_folder(self) -> None:
-        present = sorted(
-            (file for file in self.path.iterdir() if file.suffix in SUFFIXES), key=_natural_order
-        )
         metadata = Metadata.read(self.path)
         if metadata is not None:
             self._counts.update(metadata.counts)
         if metadata is not None and metadata.compressed:
             self._files.append(LibraryBag(self.path))
             return
-        if metadata is None:
-            if not present:
-                raise MicrogripperError(
-                    f"{self.path}: is not a rosbag2: no {METADATA} and no .mcap or .db3 file in it"
-                )
-            self._notes.append(f"{METADATA} is missing or damaged; the storage files were read")
-        else:
-            listed = [self.path / name for name in metadata.files]
-            lost = [file.name for file in listed if not file.is_file()]
-            present = [file for file in listed if file.is_file()]
-            if not present:
-                names = ", ".join(lost) or "no storage file"
-                raise MicrogripperError(f"{self.path}: {METADATA} lists {names}: not there")
-            self._notes.extend(f"{name} is listed in {METADATA} but not there" for name in lost)
+        present = self._all_files() if metadata is None else self._listed_files(metadata)
         for file in present:
             try:
                 self._files.append(_open_file(file, listed=metadata is not None))
@@ -138,6 +122,32 @@ class Bag:
                 self._notes.append(str(error))
         if not self._files:
             raise MicrogripperError(f"{self.path}: {'; '.join(self._notes)}")
+
+    def _all_files(self) -> list[Path]:
+        """The storage files of a folder without metadata, at least one."""
+        present = _storage_files(self.path)
+        if not present:
+            raise MicrogripperError(
+                f"{self.path}: is not a rosbag2: no {METADATA} and no .mcap or .db3 file in it"
+            )
+        self._notes.append(f"{METADATA} is missing or damaged; the storage files were read")
+        return present
+
+    def _listed_files(self, metadata: Metadata) -> list[Path]:
+        """The storage files that the metadata lists and that are there, at least one."""
+        listed = [self.path / name for name in metadata.files]
+        lost = [file.name for file in listed if not file.is_file()]
+        present = [file for file in listed if file.is_file()]
+        others = [file.name for file in _storage_files(self.path) if file not in listed]
+        if not present:
+            names = ", ".join(lost) or "no storage file"
+            remedy = f"; remove {METADATA} to read {', '.join(others)}" if others else ""
+            raise MicrogripperError(f"{self.path}: {METADATA} lists {names}: not there{remedy}")
+        self._notes.extend(f"{name} is listed in {METADATA} but not there" for name in lost)
+        self._notes.extend(
+            f"{name} is in the folder but not listed in {METADATA}: not read" for name in others
+        )
+        return present
 
 
 def _open_file(path: Path, *, listed: bool = False) -> StorageFile:
@@ -154,6 +164,11 @@ def _open_file(path: Path, *, listed: bool = False) -> StorageFile:
     if head.startswith(ROS1_MAGIC):
         raise MicrogripperError(f"{path}: is a bag of ROS 1; convert it with rosbags-convert")
     raise MicrogripperError(f"{path}: is neither MCAP nor SQLite: not a rosbag2")
+
+
+def _storage_files(folder: Path) -> list[Path]:
+    files = (file for file in folder.iterdir() if file.suffix in SUFFIXES)
+    return sorted(files, key=_natural_order)
 
 
 def _natural_order(file: Path) -> list[tuple[int, str]]:

@@ -165,6 +165,25 @@ def test_without_the_listed_file(bag: Path, tmp_path: Path) -> None:
     assert complaint(path) == f"{path}: metadata.yaml lists {name}: not there"
 
 
+def test_a_storage_file_that_the_metadata_does_not_list_is_told(bag: Path, tmp_path: Path) -> None:
+    path = damaged(bag, tmp_path, storage_file(bag).read_bytes())
+    shutil.copy(storage_file(path), path / "more.mcap")
+    assert read_recording(path).warnings == (
+        "more.mcap is in the folder but not listed in metadata.yaml: not read",
+    )
+
+
+def test_a_storage_file_that_has_another_name(bag: Path, tmp_path: Path) -> None:
+    path = damaged(bag, tmp_path, storage_file(bag).read_bytes())
+    name = storage_file(path).name
+    storage_file(path).rename(path / f"good {name}")
+    assert complaint(path) == (
+        f"{path}: metadata.yaml lists {name}: not there; remove metadata.yaml to read good {name}"
+    )
+    (path / "metadata.yaml").unlink()
+    assert len(read_recording(path)) == COUNT
+
+
 def test_messages_that_were_never_committed(bag: Path, tmp_path: Path) -> None:
     """The storage file is whole, but has less than the metadata says."""
     path = damaged(bag, tmp_path, storage_file(bag).read_bytes())
