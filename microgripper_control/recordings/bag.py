@@ -17,9 +17,10 @@ from microgripper_control.recordings.library import LibraryBag
 from microgripper_control.recordings.mcap import McapFile
 from microgripper_control.recordings.metadata import METADATA, Metadata
 from microgripper_control.recordings.sqlite import SqliteFile
-from microgripper_control.recordings.storage import Block, StorageFile, Topic
+from microgripper_control.recordings.storage import COMPRESSED, Block, StorageFile, Topic
 
 SUFFIXES = (".mcap", ".db3")
+PACKED = ".zstd"  # behind them, where rosbag2 compressed the file
 ROS1_MAGIC = b"#ROSBAG"
 
 
@@ -153,22 +154,31 @@ class Bag:
 def _open_file(path: Path, *, listed: bool = False) -> StorageFile:
     if not path.exists():
         raise MicrogripperError(f"{path}: does not exist")
-    with path.open("rb") as file:
-        head = file.read(max(len(mcap.MAGIC), len(sqlite.MAGIC)))
+    try:
+        with path.open("rb") as file:
+            head = file.read(max(len(mcap.MAGIC), len(sqlite.MAGIC)))
+        if head.startswith(mcap.MAGIC):
+            return McapFile(path)
+        if head.startswith(sqlite.MAGIC):
+            return SqliteFile(path, closed=listed)
+    except OSError as error:
+        raise MicrogripperError(f"{path}: cannot be read: {error.strerror}") from None
     if not head:
         raise MicrogripperError(f"{path}: is empty")
-    if head.startswith(mcap.MAGIC):
-        return McapFile(path)
-    if head.startswith(sqlite.MAGIC):
-        return SqliteFile(path, closed=listed)
+    if head.startswith(COMPRESSED):
+        raise MicrogripperError(
+            f"{path}: is compressed; unpack it with zstd -d {path.name} -o {path.stem}"
+        )
     if head.startswith(ROS1_MAGIC):
         raise MicrogripperError(f"{path}: is a bag of ROS 1; convert it with rosbags-convert")
     raise MicrogripperError(f"{path}: is neither MCAP nor SQLite: not a rosbag2")
 
 
 def _storage_files(folder: Path) -> list[Path]:
-    files = (file for file in folder.iterdir() if file.suffix in SUFFIXES)
-    return sorted(files, key=_natural_order)
+    """Those in a bag's folder in their order; of one that was unpacked what came out of it."""
+    files = {file for file in folder.iterdir() if file.name.removesuffix(PACKED).endswith(SUFFIXES)}
+    packed = {file.with_name(file.name + PACKED) for file in files}
+    return sorted(files - packed, key=_natural_order)
 
 
 def _natural_order(file: Path) -> list[tuple[int, str]]:

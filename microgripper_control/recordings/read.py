@@ -13,6 +13,7 @@ from microgripper_control.recordings.bag_recording import read_bag
 from microgripper_control.recordings.clean import cleaned
 from microgripper_control.recordings.csv import read_csv
 from microgripper_control.recordings.mapping import DEFAULT_MAPPING, Mapping
+from microgripper_control.recordings.storage import COMPRESSED
 
 
 def read_recording(
@@ -38,4 +39,5 @@ def read_recording(
 def _looks_like_a_bag(path: Path) -> bool:
     with path.open("rb") as file:
         head = file.read(16)
-    return path.suffix in SUFFIXES or head.startswith((mcap.MAGIC, sqlite.MAGIC, ROS1_MAGIC))
+    heads = (mcap.MAGIC, sqlite.MAGIC, ROS1_MAGIC, COMPRESSED)
+    return path.suffix in SUFFIXES or head.startswith(heads)

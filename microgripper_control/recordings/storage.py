@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 
 from microgripper_control.core.compiled import compiled
 
+COMPRESSED = b"\x28\xb5\x2f\xfd"  # how all begins that zstd made, rosbag2's only compression
+
 Bytes = NDArray[np.uint8]
 Integers = NDArray[np.int64]
 Mask = NDArray[np.bool_]

@@ -19,6 +19,7 @@ from bag_messages import (
 )
 from rosbags.rosbag2 import CompressionMode
 
+from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.recording import Recording
 from microgripper_control.recordings.bag import Bag
 from microgripper_control.recordings.bag_writer import STORAGES, BagWriter
@@ -195,6 +196,34 @@ def test_a_bad_part_of_a_split_bag_is_told(tmp_path: Path) -> None:
     assert f"{bag / 'run_1.mcap'}: is empty" in recording.warnings
     (bag / "run.mcap").write_bytes(b"")
     assert "run.mcap: is empty" in complaint(bag)
+
+
+def test_a_part_of_a_split_bag_that_cannot_be_read_is_told(tmp_path: Path) -> None:
+    bag = write(tmp_path / "run", samples())
+    (bag / "metadata.yaml").unlink()
+    (bag / "run_1.mcap").mkdir()
+    recording = read_recording(bag)
+    assert np.array_equal(recording.voltage, np.arange(float(COUNT)))
+    assert f"{bag / 'run_1.mcap'}: cannot be read: Is a directory" in recording.warnings
+
+
+@pytest.mark.parametrize(("storage", "end"), [("mcap", "mcap"), ("sqlite3", "db3")])
+def test_a_compressed_file_without_metadata_is_to_be_unpacked(
+    tmp_path: Path, storage: str, end: str
+) -> None:
+    bag = write(tmp_path / "run", samples(), storage, CompressionMode.FILE)
+    (bag / "metadata.yaml").unlink()
+    packed = bag / f"run.{end}.zstd"
+    expected = f"{packed}: is compressed; unpack it with zstd -d run.{end}.zstd -o run.{end}"
+    assert complaint(packed) == expected
+    with pytest.raises(MicrogripperError) as caught:
+        read_recording(bag)
+    assert expected in str(caught.value)
+    part = write(tmp_path / "part", samples(), storage) / f"part.{end}"
+    part.rename(bag / f"run_1.{end}")
+    assert expected in read_recording(bag).warnings
+    (bag / f"run_1.{end}").rename(bag / f"run.{end}")
+    assert len(read_recording(bag).warnings) == 1, "it was unpacked"
 
 
 def test_messages_in_order_of_receipt(tmp_path: Path) -> None:
