@@ -17,7 +17,7 @@ from rosbags.interfaces import Nodetype
 from rosbags.interfaces.typing import FieldDesc, Typesdict
 from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
 
-from microgripper_control.recordings.storage import Topic
+from microgripper_control.recordings.storage import COMPRESSED, Topic
 
 HEAD = 4  # bytes: the encoding, then options
 BYTE_ORDERS = {b"\0\0": ">", b"\0\1": "<"}
@@ -90,6 +90,8 @@ class _Walk:
     """Goes through a message field by field; `at` is the byte it has come to."""
 
     def __init__(self, message: bytes, types: Typesdict) -> None:
+        if message.startswith(COMPRESSED):
+            raise LayoutError("is compressed by rosbag2, and no metadata.yaml says so")
         if message[:2] not in BYTE_ORDERS:
             raise LayoutError("is not plain CDR")
         self.places: dict[str, Place] = {}

@@ -18,7 +18,7 @@ from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.folder_lock import FolderLock
 from microgripper_control.recordings.bag import Bag
 from microgripper_control.recordings.bag_writer import STORAGES, BagWriter
-from microgripper_control.recordings.storage import Topic
+from microgripper_control.recordings.storage import COMPRESSED, Topic
 
 KEPT = ".damaged"  # added to the name of the bag that was repaired
 STEP = 20_000  # messages between reports of progress
@@ -75,6 +75,10 @@ def _count(bag: Bag, progress: OnProgress) -> dict[str, int]:
     """Read everything, which also shows what is missing."""
     counts = dict.fromkeys((topic.name for topic in bag.topics), 0)
     for block in bag.blocks(bag.topics):
+        if block.message(0).startswith(COMPRESSED):  # a new bag would say that they are not
+            raise MicrogripperError(
+                f"{bag.path}: its messages are compressed by rosbag2; decompress them first"
+            )
         counts[block.topic.name] += len(block)
         progress(f"{sum(counts.values())} messages read")
     return counts

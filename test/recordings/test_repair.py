@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from bag_messages import FLOAT64, QUALITY, STORE
+from bag_messages import FLOAT64, QUALITY, STORE, samples, write
 from bags_to_break import (
     COUNT,
     RECORDING,
@@ -22,6 +22,7 @@ from bags_to_break import (
     storage_file,
 )
 from rosbags.highlevel import AnyReader
+from rosbags.rosbag2 import CompressionMode
 
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.recordings import repair
@@ -258,6 +259,18 @@ def _die_at(step: int) -> None:
 
     Path.rename = deadly(Path.rename)  # type: ignore[method-assign]
     repair._sync = deadly(repair._sync)  # type: ignore[assignment]
+
+
+@pytest.mark.parametrize("storage", STORAGES)
+def test_compressed_messages_are_not_taken_for_plain_ones(tmp_path: Path, storage: str) -> None:
+    """Their recorder was killed before it wrote the metadata, which would say so."""
+    path = write(tmp_path / "run", samples(), storage, CompressionMode.MESSAGE)
+    (path / "metadata.yaml").unlink()
+    before = files_in(tmp_path)
+    assert "its messages are compressed by rosbag2; decompress them first" in complaint(path)
+    assert files_in(tmp_path) == before
+    with pytest.raises(MicrogripperError, match="in message 0 is compressed by rosbag2, and no "):
+        read_recording(path)
 
 
 def test_folders_and_files_that_cannot_be_repaired(tmp_path: Path) -> None:
