@@ -33,6 +33,7 @@ FLOAT64 = "std_msgs/msg/Float64"
 JOINT = "finger"
 JOINT_FIELDS = {"voltage": "effort", "displacement": "position", "setpoint": "position"}
 BY_NAME = ("position", "velocity", "effort")
+Names = tuple[str, ...]  # of a message's joints, by which its driver is known
 USUAL_TOPICS = {
     "voltage": ("joint_states", JOINT_STATE),
     "displacement": ("joint_states", JOINT_STATE),
@@ -58,14 +59,15 @@ class Choice:
     def joint_of(self, layout: Layout) -> str | None:
         """Whose number is read in a message; None where it is not by a joint's name."""
         names = layout.texts.get("name", ())
-        return (JOINT if JOINT in names else names[0]) if self._is_by_name and names else None
+        return (JOINT if JOINT in names else names[0]) if self.is_by_name and names else None
 
     def passes_over(self, layout: Layout) -> bool:
         """Whether a message is of another joint than the one that is read."""
-        return self.joint is not None and self._is_by_name and self.joint_of(layout) != self.joint
+        return self.joint is not None and self.is_by_name and self.joint_of(layout) != self.joint
 
     @property
-    def _is_by_name(self) -> bool:
+    def is_by_name(self) -> bool:
+        """Whether it is the number of a joint, wherever that one's name stands in a message."""
         return self.topic.type == JOINT_STATE and (self.field or "position") in BY_NAME
 
     def place(self, layout: Layout) -> Place | None:
@@ -182,31 +184,38 @@ def _series(bag: Bag, notes: list[str], *choices: Choice) -> Series:
 
     Where drivers share a topic, each with joints of its own, the finger's messages are read.
     """
-    joints: set[str] = set()
-    series, others = _numbers(bag, [replace(choice, joint=JOINT) for choice in choices], joints)
-    if others and JOINT not in joints:  # the only joint may have any name
-        series, others = _numbers(bag, choices, joints)
-        if len(joints) > 1:
-            raise MicrogripperError(
-                f"{bag.path}: topic {choices[0].topic.name} has messages of "
-                f"{', '.join(sorted(joints))}; call the one to be read {JOINT!r}, or record it on "
-                "a topic of its own"
-            )
+    drivers: set[Names] = set()
+    series, others = _numbers(bag, [replace(choice, joint=JOINT) for choice in choices], drivers)
+    if others and not drivers:  # the only joint may have any name
+        series, others = _numbers(bag, choices, drivers)
+    _refuse_mixed(bag, choices, drivers)
     if others:
         notes.append(f"{choices[0].topic.name}: {others} messages are of other joints")
     return series
 
 
-def _numbers(bag: Bag, choices: Sequence[Choice], joints: set[str]) -> tuple[Series, int]:
+def _refuse_mixed(bag: Bag, choices: Sequence[Choice], drivers: set[Names]) -> None:
+    """Raise MicrogripperError where what was read is not of one joint in all messages."""
+    by_name = all(choice.is_by_name for choice in choices)
+    if len(drivers) > 1 and not (by_name and all(JOINT in names for names in drivers)):
+        listed = ", ".join(sorted("+".join(names) or "no joint" for names in drivers))
+        raise MicrogripperError(
+            f"{bag.path}: topic {choices[0].topic.name} has messages of {listed}; call the one to "
+            f"be read {JOINT!r} and map it without an index, or record it on a topic of its own"
+        )
+
+
+def _numbers(bag: Bag, choices: Sequence[Choice], drivers: set[Names]) -> tuple[Series, int]:
     """The numbers of a topic's messages, and how many of these are passed over.
 
-    The joints that the messages are of are added to `joints`.
+    The joints' names of the messages that are read are added to `drivers`.
     """
 
     def pick(layout: Layout) -> list[Place | None]:
-        joints.update(name for choice in choices if (name := choice.joint_of(layout)))
         if any(choice.passes_over(layout) for choice in choices):
             return [None] * (2 + len(choices))
+        if topic.type == JOINT_STATE:
+            drivers.add(tuple(layout.texts["name"]))
         stamp = [layout.places.get(f"header.stamp.{part}") for part in ("sec", "nanosec")]
         return [*stamp, *(choice.place(layout) for choice in choices)]
 

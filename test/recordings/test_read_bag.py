@@ -268,6 +268,42 @@ def test_drivers_that_share_a_topic_without_a_finger(tmp_path: Path) -> None:
     )
 
 
+def test_an_index_is_refused_where_drivers_share_a_topic(tmp_path: Path) -> None:
+    other = [joint_state(k * PERIOD + 9, [5e-3], [7.0], names=["stage"]) for k in range(COUNT)]
+    path = write(tmp_path / "run", [*samples(), *other])
+    maps = ["voltage=joint_states:effort[0]", "displacement=joint_states:position[0]"]
+    assert complaint(path, *maps) == (
+        f"{path}: topic /joint_states has messages of finger, stage; call the one to be read "
+        "'finger' and map it without an index, or record it on a topic of its own"
+    )
+    mixed = read_recording(path, Mapping.parse(maps[:1]))  # the displacement tells which are read
+    assert np.array_equal(mixed.voltage, np.arange(float(COUNT)))
+
+
+@pytest.mark.parametrize("mapped", [["voltage=joint_states:effort[0]"], []])
+def test_joints_in_another_order_are_found_by_name_alone(tmp_path: Path, mapped: list[str]) -> None:
+    """The driver was started anew with its joints the other way round."""
+    sent = []
+    for k in range(COUNT):
+        names, values = ["finger", "wrist"], [float(k), 9.0]
+        way = slice(None, None, 1 if k < COUNT // 2 else -1)
+        sent.append(joint_state(k * PERIOD, values[way], values[way], names=names[way]))
+    path = write(tmp_path / "run", sent)
+    if mapped:
+        assert "has messages of finger+wrist, wrist+finger; " in complaint(path, *mapped)
+    else:
+        assert np.array_equal(read_recording(path).voltage, np.arange(float(COUNT)))
+
+
+def test_a_driver_without_names_is_not_mixed_with_another(tmp_path: Path) -> None:
+    nameless = [joint_state(k * PERIOD, [1e-6], [float(k)], names=[]) for k in range(COUNT)]
+    other = [joint_state(k * PERIOD + 9, [5e-3], [7.0], names=["stage"]) for k in range(COUNT)]
+    alone = read_recording(write(tmp_path / "alone", nameless))
+    assert np.array_equal(alone.voltage, np.arange(float(COUNT)))
+    mixed = write(tmp_path / "mixed", [*nameless, *other])
+    assert "has messages of no joint, stage; call the one" in complaint(mixed)
+
+
 def test_a_finger_that_reads_nothing_is_no_other_joint(tmp_path: Path) -> None:
     sent = samples()
     sent[7] = joint_state(7 * PERIOD, [np.nan], [np.nan])
