@@ -82,7 +82,7 @@ class Choice:
     def _path(self, layout: Layout) -> str:
         if self.topic.type == JOINT_STATE:
             path = self.field or JOINT_FIELDS[self.quantity]
-            names = layout.texts["name"]
+            names = layout.texts.get("name", [])
             if path not in BY_NAME:
                 return path
             if JOINT in names:
@@ -215,7 +215,7 @@ def _numbers(bag: Bag, choices: Sequence[Choice], drivers: set[Names]) -> tuple[
         if any(choice.passes_over(layout) for choice in choices):
             return [None] * (2 + len(choices))
         if topic.type == JOINT_STATE:
-            drivers.add(tuple(layout.texts["name"]))
+            drivers.add(tuple(layout.texts.get("name", ())))
         stamp = [layout.places.get(f"header.stamp.{part}") for part in ("sec", "nanosec")]
         return [*stamp, *(choice.place(layout) for choice in choices)]
 

@@ -15,11 +15,12 @@ from rosbags.interfaces import Connection
 from rosbags.rosbag2 import StoragePlugin, Writer, WriterError
 from rosbags.rosbag2.storage_mcap import McapWriter
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
-from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
+from rosbags.typesys import Stores, TypesysError, get_typestore
 from rosbags.typesys.store import Typestore
 
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.folder_lock import FolderLock
+from microgripper_control.recordings.layout import LayoutError, types_with
 from microgripper_control.recordings.offered_qos import profiles_in
 
 STORAGES = {"mcap": StoragePlugin.MCAP, "sqlite3": StoragePlugin.SQLITE3}
@@ -88,7 +89,8 @@ class BagWriter:
     ) -> None:
         """Announce a topic, its type (`std_msgs/msg/Float64`) and its offered QoS, as rosbag2 YAML.
 
-        A type that does not come with ROS 2 Jazzy needs its `definition`, in .msg form.
+        A type that does not come with ROS 2 Jazzy, or not as it is meant, needs its `definition`,
+        in .msg form.
         """
         if name in self._topics:
             raise MicrogripperError(f"{self.path}: topic {name} is there already")
@@ -105,16 +107,16 @@ class BagWriter:
                     serialization_format=encoding,
                     offered_qos_profiles=profiles,
                 )
-        except (TypesysError, ValueError, LookupError, RecursionError):
+        except (LayoutError, TypesysError, ValueError, LookupError, RecursionError):
             raise MicrogripperError(
                 f"{self.path}: topic {name}: ROS 2 Jazzy has no type {kind}; leave the topic out"
             ) from None
 
     def _types_with(self, kind: str, definition: str) -> Typestore:
-        if kind in self._types.types or not definition:
+        if not definition:
             return self._types
         types = get_typestore(Stores.ROS2_JAZZY)
-        types.register(get_types_from_msg(definition, kind))
+        types.fielddefs.update(types_with(kind, definition))  # `register` would keep Jazzy's
         return types
 
     def write(self, topic: str, stamp: int, message: bytes) -> None:

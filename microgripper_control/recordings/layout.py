@@ -163,18 +163,29 @@ def _jazzy_types() -> Typesdict:
 
 
 def types_of(topic: Topic) -> Typesdict:
-    """The fields of the topic's type and of those it is made of: Jazzy's own, else the bag's.
+    """The fields of the topic's type and of those it is made of, as `types_with` finds them.
 
-    Raises LayoutError if neither defines it.
+    Raises LayoutError if that does not or if the messages are not in CDR.
     """
     if topic.encoding != "cdr":
         raise LayoutError(f"is encoded as {topic.encoding!r}; only 'cdr' is read")
+    return types_with(topic.type, topic.definition)
+
+
+def types_with(kind: str, definition: str) -> Typesdict:
+    """The fields of a type and of those it is made of: the bag's definition, else Jazzy's own.
+
+    Types of one name differ between releases of ROS 2. Raises LayoutError if there is neither, or
+    the bag's is not understood and there is no other.
+    """
     known = _jazzy_types()
-    if topic.type in known:
-        return known
-    if not topic.definition:
+    if definition:
+        try:
+            return {**known, **get_types_from_msg(definition, kind)}
+        except (TypesysError, ValueError, LookupError, RecursionError):
+            if kind not in known:
+                problem = "has a type whose definition in the bag is not understood"
+                raise LayoutError(problem) from None
+    if kind not in known:
         raise LayoutError("has a type that neither ROS 2 Jazzy nor the bag defines")
-    try:
-        return {**known, **get_types_from_msg(topic.definition, topic.type)}
-    except (TypesysError, ValueError, LookupError, RecursionError):
-        raise LayoutError("has a type whose definition in the bag is not understood") from None
+    return known

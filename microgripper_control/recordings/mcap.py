@@ -36,6 +36,7 @@ MAGIC = b"\x89MCAP0\r\n"
 MESSAGE_HEAD = 22  # bytes: channel, sequence, time logged, time published
 FOOTER_SIZE = RECORD_HEAD + 20
 STATISTICS_HEAD = struct.Struct("<QHIIIIQQI")  # counts, times, length of the counts by channel
+UNKNOWN = "unknown type", ""  # of a topic whose schema is not there
 QOS = "offered_qos_profiles"
 SEARCHED_AT_ONCE = 2**24  # bytes
 
@@ -118,28 +119,35 @@ class McapFile:
 
     def _learn_topics(self, records: Records) -> None:
         for content in records.contents(SCHEMA):
-            (number,) = struct.unpack_from("<H", content)
-            name, encoding, definition = texts(content, 2, 3)
-            self._definitions[number] = name, definition if encoding == "ros2msg" else ""
+            number, kind, definition = _schema(content)
+            self._definitions[number] = kind, definition
         for content in records.contents(CHANNEL):
             number, schema, name, encoding = _channel(content)
-            kind, definition = self._definitions.get(schema, ("unknown type", ""))
+            kind, definition = self._definitions.get(schema, UNKNOWN)
             noted = pairs_of_texts(content, 12 + len(name.encode()) + len(encoding.encode()))
             self._channels[number] = Topic(name, kind, encoding, definition, noted.get(QOS, ""))
 
     def _check_topics(self, records: Records) -> None:
         """What the summary told of the topics must be what stands beside the messages."""
-        for start, content in zip(
-            records.spans(CHANNEL)[0], records.contents(CHANNEL), strict=True
-        ):
-            try:
-                number, _, name, _ = _channel(content)
-                known = self._channels.get(number)
-                agrees = known is not None and known.name == name
-            except (struct.error, UnicodeDecodeError):
-                agrees = False
-            if not agrees:
-                self._damaged.append(int(start))
+        for opcode, agrees in ((SCHEMA, self._knows_type), (CHANNEL, self._knows_topic)):
+            starts, _ = records.spans(opcode)
+            for start, content in zip(starts, records.contents(opcode), strict=True):
+                try:
+                    known = agrees(content)
+                except (struct.error, UnicodeDecodeError):
+                    known = False
+                if not known:
+                    self._damaged.append(int(start))
+
+    def _knows_type(self, content: bytes) -> bool:
+        number, *told = _schema(content)
+        return self._definitions.get(number) == tuple(told)
+
+    def _knows_topic(self, content: bytes) -> bool:
+        number, schema, name, _ = _channel(content)
+        known = self._channels.get(number)
+        kind, definition = self._definitions.get(schema, UNKNOWN)
+        return known == Topic(name, kind) and known.definition == definition
 
     def _learn_counts(self, records: Records) -> None:
         for content in records.contents(STATISTICS):
@@ -209,6 +217,13 @@ class McapFile:
             self._damaged.append(start)  # any of its values may be the wrong one
             return
         yield from runs
+
+
+def _schema(content: bytes) -> tuple[int, str, str]:
+    """Number, name and definition of a type, empty where that is not in .msg form."""
+    (number,) = struct.unpack_from("<H", content)
+    name, encoding, definition = texts(content, 2, 3)
+    return number, name, definition if encoding == "ros2msg" else ""
 
 
 def _channel(content: bytes) -> tuple[int, int, str, str]:

@@ -90,6 +90,23 @@ def write(
     return path
 
 
+def write_of_humble(path: Path, storage: str) -> Path:
+    """A bag of ROS 2 Humble, whose Range has no `variance`: k volts and k millimetres."""
+    store, kind = get_typestore(Stores.ROS2_HUMBLE), "sensor_msgs/msg/Range"
+    header = store.types["std_msgs/msg/Header"]
+    time = store.types["builtin_interfaces/msg/Time"]
+    with Writer(path, version=8, storage_plugin=STORAGES[storage]) as writer:
+        gauge = writer.add_connection("/gauge", kind, typestore=store)
+        amplifier = writer.add_connection("/amplifier", FLOAT64, typestore=store)
+        for k in range(COUNT):
+            volts = store.types[FLOAT64](float(k))
+            stamped = header(time(0, k * PERIOD), "rig")
+            reading = store.types[kind](stamped, 1, 0.1, 0.0, 1.0, 1e-3 * k)
+            writer.write(amplifier, k * PERIOD, store.serialize_cdr(volts, FLOAT64))
+            writer.write(gauge, k * PERIOD, store.serialize_cdr(reading, kind))
+    return path
+
+
 def complaint(path: Path, *maps: str) -> str:
     with pytest.raises(MicrogripperError) as caught:
         read_recording(path, Mapping.parse(maps))

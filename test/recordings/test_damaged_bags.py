@@ -152,6 +152,16 @@ def test_metadata_cut_off_anywhere(bag: Path, tmp_path: Path) -> None:
         )
 
 
+def test_a_definition_that_changed_in_the_summary_is_told(tmp_path: Path) -> None:
+    """The one beside the messages, which a checksum guards, is not the same."""
+    path = tmp_path / "run"
+    write_bag(path, RECORDING)
+    before, fields, after = storage_file(path).read_bytes().rpartition(b"float64[] effort")
+    storage_file(path).write_bytes(before + fields.replace(b"64", b"32") + after)
+    recording = recording_or_complaint(path)
+    assert recording is None or any("is damaged" in line for line in recording.warnings)
+
+
 def test_without_metadata(bag: Path, tmp_path: Path) -> None:
     path = damaged(bag, tmp_path, storage_file(bag).read_bytes())
     (path / "metadata.yaml").unlink()

@@ -14,14 +14,16 @@ from bag_messages import (
     joint_state,
     samples,
     write,
+    write_of_humble,
 )
 from rosbags.rosbag2 import Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from microgripper_control.core.recording import Recording
-from microgripper_control.recordings.bag_writer import STORAGES
+from microgripper_control.recordings.bag_writer import STORAGES, BagWriter
 from microgripper_control.recordings.mapping import Mapping
 from microgripper_control.recordings.read import read_recording
+from microgripper_control.recordings.repair import repair_bag
 
 
 def test_several_setpoints_are_left_to_the_user(tmp_path: Path) -> None:
@@ -142,6 +144,29 @@ def test_a_message_type_of_the_rig_alone(tmp_path: Path, storage: str) -> None:
     assert "has 2 numbers in gauges; choose one, as gauges[0]" in complaint(
         tmp_path / "run", "voltage=sample:gauges", maps[1]
     )
+
+
+@pytest.mark.parametrize("storage", STORAGES)
+def test_types_of_another_release_of_ros_are_read_and_repaired(
+    tmp_path: Path, storage: str
+) -> None:
+    path = write_of_humble(tmp_path / "run", storage)
+    maps = Mapping.parse(["voltage=/amplifier", "displacement=/gauge:range"])
+    recording = read_recording(path, maps)
+    assert recording.displacement == pytest.approx(1e-3 * np.arange(COUNT), rel=1e-6)
+    (path / "metadata.yaml").unlink()
+    assert repair_bag(path).kept is not None
+    assert np.array_equal(read_recording(path, maps).measured, recording.measured)
+
+
+def test_a_joint_state_that_has_no_names_is_told(tmp_path: Path) -> None:
+    """A type of that name may have any definition."""
+    kind = "sensor_msgs/msg/JointState"
+    with BagWriter(tmp_path / "run") as bag:
+        bag.add_topic("/joint_states", kind, definition="float64 volts")
+        for k in range(COUNT):
+            bag.write("/joint_states", k, b"\0\1\0\0" + np.float64(k).tobytes())
+    assert "has no number effort" in complaint(tmp_path / "run")
 
 
 def test_a_recording_of_the_voltage_alone(tmp_path: Path) -> None:

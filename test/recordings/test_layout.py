@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -180,6 +181,14 @@ def test_noise_is_no_message(noise: bytes) -> None:
 def test_types_that_are_not_known(topic: Topic, complaint: str) -> None:
     with pytest.raises(LayoutError, match=complaint):
         types_of(topic)
+
+
+def test_the_bag_s_definition_goes_before_that_of_jazzy() -> None:
+    topic = Topic("/a", "std_msgs/msg/Float64", definition="float32 before\nfloat64 data\n")
+    fields = [name for name, _ in types_of(topic)[topic.type][1]]
+    assert fields == ["before", "data"]
+    damaged = replace(topic, definition="float64 ??")
+    assert [name for name, _ in types_of(damaged)[topic.type][1]] == ["data"]
 
 
 def test_a_field_that_is_not_there_lists_those_that_are() -> None:
