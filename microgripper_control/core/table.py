@@ -1,6 +1,7 @@
 """A CSV table of numbers: a header with the names of the columns, then rows.
 
-Commas, semicolons or tabs separate them. Numbers have a decimal point.
+Commas, semicolons or tabs separate them. Numbers have a decimal point. A row has no more cells than
+there are names; a separator at its end does no harm.
 """
 
 from __future__ import annotations
@@ -21,8 +22,11 @@ from microgripper_control.core.files import refuse_pipe
 from microgripper_control.core.signals import Array
 
 DELIMITERS = ",;\t"
+DECIMAL_POINTS = "numbers have decimal points, no commas"
 LONGEST_HEADER = 65536  # characters
+COUNTED_AT_ONCE = 2**24  # bytes
 FEW = 10  # rows: of fewer the last is not judged by the others
+LARGEST_STEP = 2.0  # of those before it: a last row without its end that goes farther is cut off
 
 
 class Rows(NamedTuple):
@@ -50,7 +54,7 @@ class Table:
         with _readable(path):
             refuse_pipe(path)
             with _text(path) as file:
-                line = file.readline(LONGEST_HEADER)
+                line = _western(file.readline(LONGEST_HEADER))
             if not line.strip():
                 wrong = "line 1 is blank" if line else "is empty"
                 raise MicrogripperError(f"{path}: {wrong}; expected a header such as {usual}")
@@ -80,10 +84,11 @@ class Table:
     def numbers(self, columns: Sequence[int], sparse: int | None = None) -> Rows:
         """The numbers of some columns; that in `sparse` may be missing, which is NaN.
 
-        MicrogripperError names the line, the cell and its column where there is no number.
+        MicrogripperError names the line, the cell and its column where there is no number, and the
+        line where there are more cells than names.
         """
         with _readable(self.path):
-            ended = self._end().endswith(("\n", "\r"))
+            size, delimiters = self.path.stat().st_size, self._delimiters()
             try:
                 with warnings.catch_warnings():
                     warnings.simplefilter("ignore")  # of a file without rows
@@ -97,10 +102,11 @@ class Table:
                         quotechar='"',
                         encoding="latin-1",
                     )
-                rows = Rows(values)
+                wide = delimiters > (len(values) + 1) * (len(self.header) - 1)
+                rows = self._row_by_row(columns, sparse, size) if wide else Rows(values)
             except ValueError:
-                rows = self._row_by_row(columns, sparse, ended=ended)
-            if ended or rows.cut or _goes_on(rows.values):
+                rows = self._row_by_row(columns, sparse, size)
+            if rows.cut or self._is_ended(size) or _goes_on(rows.values):
                 return rows
             return Rows(rows.values[:-1], cut=True)
 
@@ -113,7 +119,7 @@ class Table:
             )
         return rows.values
 
-    def _row_by_row(self, columns: Sequence[int], sparse: int | None, *, ended: bool) -> Rows:
+    def _row_by_row(self, columns: Sequence[int], sparse: int | None, size: int) -> Rows:
         """As `numbers`, slower, but able to name what is wrong and to leave out what may be."""
         rows: list[list[float]] = []
         cut = False
@@ -125,10 +131,11 @@ class Table:
                     if not any(cell.strip() for cell in row):
                         continue
                     line = reader.line_num
+                    self._check_cells(row, f"line {line}", "repair the line")
                     try:
                         rows.append([self._number(row, at, line, sparse) for at in columns])
                     except MicrogripperError:
-                        cut = not ended and next(reader, None) is None
+                        cut = not self._is_ended(size) and next(reader, None) is None
                         if not cut:
                             raise
             except csv.Error as error:
@@ -146,10 +153,11 @@ class Table:
         if not cell and at == sparse:
             return float("nan")
         try:
-            return float(cell)
+            return _float(cell)
         except ValueError:
+            remedy = f"; {DECIMAL_POINTS}" if "," in cell else ""
             raise MicrogripperError(
-                f"{where}: {cell!r:.40} in column {self.header[at]!r} is not a number"
+                f"{where}: {cell!r:.40} in column {self.header[at]!r} is not a number{remedy}"
             ) from None
 
     def _check_width(self, usual: str) -> None:
@@ -169,12 +177,29 @@ class Table:
             if not all(_is_number(cell or "0") for cell in last):
                 last = []  # text with line breaks in it, or a line that was cut off
             for which, row in ((f"line {reader.line_num}", first), ("the last line", last)):
-                if any(cell.strip() for cell in row[len(self.header) :]):
-                    raise MicrogripperError(
-                        f"{self.path}: {which}: {len(row)} cells, the header in line 1 has "
-                        f"{len(self.header)}; line 1 should be such as {usual}, and numbers have "
-                        "decimal points, no commas"
-                    )
+                self._check_cells(row, which, f"line 1 should be such as {usual}")
+
+    def _check_cells(self, row: list[str], which: str, remedy: str) -> None:
+        """Raise MicrogripperError where cells of a row that are not empty have no name."""
+        if any(cell.strip() for cell in row[len(self.header) :]):
+            raise MicrogripperError(
+                f"{self.path}: {which}: {len(row)} cells, the header in line 1 has "
+                f"{len(self.header)}; {remedy}, and {DECIMAL_POINTS}"
+            )
+
+    def _delimiters(self) -> int:
+        """How many there are in the file; 0 if it has quotes, between which they are text."""
+        mark, count = self.delimiter.encode(), 0
+        with self.path.open("rb") as file:
+            while piece := file.read(COUNTED_AT_ONCE):
+                if b'"' in piece:
+                    return 0
+                count += piece.count(mark)
+        return count
+
+    def _is_ended(self, size: int) -> bool:
+        """Whether the last line has its end, and none was begun since the file had `size` bytes."""
+        return self.path.stat().st_size == size and self._end().endswith(("\n", "\r"))
 
     def _end(self) -> str:
         """The last characters of the file."""
@@ -186,7 +211,14 @@ class Table:
 
 def _text(path: Path) -> TextIO:
     # Only the names of the columns are text: a foreign encoding spoils at most those.
-    return path.open(encoding="utf-8-sig", errors="replace", newline="")
+    return path.open(encoding="utf-8-sig", errors="surrogateescape", newline="")
+
+
+def _western(line: str) -> str:
+    """The line as it was meant if it is no UTF-8: in the encoding of Western Europe's Windows."""
+    if not any("\udc80" <= character <= "\udcff" for character in line):
+        return line
+    return line.encode("utf-8", "surrogateescape").decode("cp1252", "replace")
 
 
 @contextmanager
@@ -201,17 +233,23 @@ def _goes_on(values: Array) -> bool:
     """Whether the last row is in line with those before it: 4.8e-07 without its end is 4.8."""
     if len(values) < FEW:
         return True
-    before, last = values[:-1], values[-1]
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of a column that is missing everywhere
-        low, high = np.nanmin(before, axis=0), np.nanmax(before, axis=0)
-    span = high - low
-    return not np.any((last < low - span) | (last > high + span))
+    with np.errstate(over="ignore", invalid="ignore"):  # told by whoever needs finite numbers
+        steps = np.abs(np.diff(values, axis=0))
+    near = steps[-1] <= LARGEST_STEP * np.fmax.reduce(steps[:-1])
+    missing = np.isnan(values[-2:]).all(axis=0)
+    return bool(np.all(near | missing))
 
 
 def _is_number(text: str) -> bool:
     try:
-        float(text)
+        _float(text)
     except ValueError:
         return False
     return True
+
+
+def _float(text: str) -> float:
+    """The number in a cell; ValueError if it is none: Python alone reads 1_000 as one."""
+    if "_" in text:
+        raise ValueError(text)
+    return float(text)

@@ -92,11 +92,14 @@ def test_what_spreadsheets_write(tmp_path: Path) -> None:
     assert recording.setpoint[3] == 3.0
 
 
-def test_names_in_a_foreign_encoding_do_no_harm(tmp_path: Path) -> None:
+@pytest.mark.parametrize("encoding", ["cp1252", "utf-8", "utf-8-sig"])
+def test_names_in_the_encoding_of_windows(tmp_path: Path, encoding: str) -> None:
     path = tmp_path / "run.csv"
-    rows = "\n".join(f"{row},1" for row in ROWS)
-    path.write_bytes(f"{HEADER},Weg [µm]\n{rows}\n".encode("latin-1"))
-    assert np.array_equal(read_recording(path).voltage, VOLTAGE)
+    rows = "\n".join(ROWS)
+    path.write_bytes(f"time_s,voltage_V,Größe [µm]\n{rows}\n".encode(encoding))
+    recording = read_recording(path, Mapping.parse(["displacement=Größe [µm]*1e-6"]))
+    assert recording.displacement == pytest.approx(1e-14 * VOLTAGE)
+    assert "it has time_s, voltage_V, Größe [µm]; choose" in complaint(path)
 
 
 def test_columns_of_other_people(tmp_path: Path) -> None:
@@ -113,6 +116,21 @@ def test_what_separates_the_columns_is_what_there_is_most_of(tmp_path: Path) -> 
     rows = [f"{row.replace(',', ';')};" for row in ROWS]
     path = write(tmp_path, f"{HEADER.replace(',', ';')};note (x, y)", *rows)
     assert read_recording(path).displacement == pytest.approx(1e-8 * VOLTAGE)
+
+
+@pytest.mark.parametrize("at_once", [1, 7, 2**24])
+def test_cells_beyond_the_header_are_found_in_any_piece_of_a_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, at_once: int
+) -> None:
+    monkeypatch.setattr("microgripper_control.core.table.COUNTED_AT_ONCE", at_once)
+    path = write(tmp_path, HEADER, *ROWS[:30], f"{ROWS[30]},7", "", *ROWS[31:], "")
+    assert "line 32: 4 cells, the header in line 1 has 3; " in complaint(path)
+    assert len(read_recording(write(tmp_path, HEADER, *ROWS))) == COUNT
+
+
+def test_commas_in_quoted_text_are_no_cells(tmp_path: Path) -> None:
+    path = write(tmp_path, f"{HEADER},note", *(f'{row},"a, b"' for row in ROWS))
+    assert np.array_equal(read_recording(path).voltage, VOLTAGE)
 
 
 def test_a_comma_at_the_end_of_each_row_is_no_cell(tmp_path: Path) -> None:
@@ -165,6 +183,16 @@ def test_wrong_columns_are_listed_with_the_remedy(tmp_path: Path) -> None:
             "line 2: 4 cells, the header in line 1 has 3; line 1 should be such as time_s,",
         ),
         ([HEADER, "s,V,m", *ROWS], "line 2: 's' in column 'time_s' is not a number"),
+        ([HEADER, *ROWS[:7], "0.007,1_0,1", *ROWS[8:]], "line 9: '1_0' in column 'voltage_V'"),
+        (
+            [line.replace(",", ";").replace(".", ",") for line in (HEADER, *ROWS)],
+            "line 2: '0,000' in column 'time_s' is not a number; numbers have decimal points, no",
+        ),
+        (
+            [HEADER, *ROWS[:7], f"0.007,7{ROWS[8]}", *ROWS[9:]],
+            "line 9: 4 cells, the header in line 1 has 3; repair the line, and numbers have decim",
+        ),
+        ([HEADER, *ROWS[:7], "0.007,0,5,0,1", *ROWS[8:]], "line 9: 5 cells, the header in line 1"),
     ],
 )
 def test_bad_input_gets_one_clear_line(tmp_path: Path, lines: list[str], expected: str) -> None:
@@ -205,6 +233,44 @@ def test_a_last_line_that_was_cut_off_is_left_out(tmp_path: Path, cut: int) -> N
     assert len(recording) == 39
     assert recording.measured.max() < 1e-5
     assert recording.warnings == ("the last line is cut off: it was left out",)
+
+
+@pytest.mark.parametrize("cut", range(3, 17))
+def test_a_number_without_its_end_is_left_out(tmp_path: Path, cut: int) -> None:
+    """81.0 without its last digits is 8."""
+    k = np.arange(395)
+    rows = [f"{1e-3 * k:.3f},{75 + 70 * np.sin(k / 50):.2f},{80 + k % 3:.1f}" for k in k.tolist()]
+    path = tmp_path / "killed.csv"
+    path.write_text("time_s,voltage_V,gauge_um\n" + "\n".join(rows)[:-cut])
+    recording = read_recording(path, Mapping.parse(["displacement=gauge_um*1e-6"]))
+    assert len(recording) == 394
+    assert recording.warnings == ("the last line is cut off: it was left out",)
+
+
+@pytest.mark.parametrize("end", ["", "\n"])
+def test_what_a_logger_appends_meanwhile_does_no_harm(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, end: str
+) -> None:
+    """Its last line is cut off as it is read, whether or not it is complete right after that."""
+    rows = [f"{1e-3 * k:.3f},{k},{80 + k % 3}" for k in range(40)]
+    path = tmp_path / "growing.csv"
+    path.write_text("\n".join(["time_s,voltage_V,displacement_m", *rows[:-1], ""]))
+    loadtxt = np.loadtxt
+
+    def appended(text: str) -> None:
+        with path.open("a") as file:
+            file.write(text)
+
+    def slowly(*given: object, **named: object) -> object:
+        appended(rows[-1][:-1])
+        found = loadtxt(*given, **named)
+        appended(end)
+        return found
+
+    monkeypatch.setattr(np, "loadtxt", slowly)
+    recording = read_recording(path)
+    assert len(recording) == 39
+    assert recording.measured.min() == 80.0
 
 
 def test_a_whole_last_line_needs_no_end(tmp_path: Path) -> None:

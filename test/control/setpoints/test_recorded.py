@@ -52,7 +52,10 @@ def test_holds_each_value_until_the_next(csv: Write) -> None:
         ("time_s,a\n0,1\n1,x\n", "line 3: 'x' in column 'a' is not a number"),
         ("time_s,a\n0,1\n1,inf\n", "row 2: a is inf"),
         ("time_s,a\n0,1\n1,2\n1,3\n", "row 3: time_s must rise"),
-        ("time_s;a\n0;1\n1;2,5\n", "line 3: '2,5' in column 'a' is not a number"),
+        (
+            "time_s;a\n0;1\n1;2,5\n",
+            "line 3: '2,5' in column 'a' is not a number; numbers have decimal points, no commas",
+        ),
         (b"\xff\xfe\x00\x80", "is neither a rosbag2 nor a CSV in UTF-8"),
     ],
 )
