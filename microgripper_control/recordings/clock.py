@@ -22,6 +22,7 @@ from microgripper_control.core.recording import Recording, check_samples
 from microgripper_control.core.signals import Array
 from microgripper_control.recordings.samples import Samples
 
+LATEST = 1e15  # s, thirty million years: what is beyond it is no time
 LARGEST_JITTER = 0.02  # of the sample period, of 95 % of the stamps: below it they are uniform
 LARGEST_STEP = 0.25  # of the sample period: if 95 % of the steps are as near to whole ones,
 SWAY = 12  # samples within which it goes from one phase to another,
@@ -38,8 +39,9 @@ SHORT, MANY = 0.05, 0.25  # of a usual step; of all steps: so many so short ones
 def on_uniform_clock(name: str, samples: Samples, warnings: tuple[str, ...] = ()) -> Recording:
     """Make a recording of stamped samples; `warnings` are added to those of this function.
 
-    Raises MicrogripperError, with the index of the sample, on values that are not finite, on time
-    that runs backwards and where more than three quarters of the ticks are missing.
+    Raises MicrogripperError, with the index of the sample, on values that are not finite, on times
+    that cannot be, on time that runs backwards and where more than three quarters of the ticks are
+    missing.
     """
     check_samples(name, samples.voltage, samples.displacement, samples.setpoint)
     notes = list(warnings)
@@ -78,11 +80,12 @@ def _recorded(known: Array, wanted: Array, notes: list[str]) -> NDArray[np.bool_
 
 def _increasing(name: str, samples: Samples, notes: list[str]) -> Samples:
     """The samples in the order of their stamps, without those that were stored twice."""
+    bad = np.flatnonzero(~(np.abs(samples.time) <= LATEST))  # or NaN
+    if len(bad):
+        value = samples.time[bad[0]]
+        raise MicrogripperError(f"{name}: time is {value} at sample {bad[0]}; repair it")
     samples = _in_order(samples, notes)
     time = samples.time
-    bad = np.flatnonzero(~np.isfinite(time))
-    if len(bad):
-        raise MicrogripperError(f"{name}: time is {time[bad[0]]} at sample {bad[0]}; repair it")
     steps = np.diff(time)
     back = np.flatnonzero(steps < 0.0)
     if len(back):

@@ -104,13 +104,23 @@ class SqliteFile:
     def _connect(self) -> sqlite3.Connection:
         if self.damage is None:
             return sqlite3.connect(f"{self._path.resolve().as_uri()}?immutable=1", uri=True)
-        self._copy = TemporaryDirectory()
+        self._copy = self._folder_for_copy()
         for file in (self._path, *self._side_files()):
             shutil.copyfile(file, Path(self._copy.name, file.name))
         copy = Path(self._copy.name, self._path.name)
         # SQLite would take the missing end of a page for zeros, and so for values.
         os.truncate(copy, copy.stat().st_size // self._page_size * self._page_size)
         return sqlite3.connect(copy)
+
+    def _folder_for_copy(self) -> TemporaryDirectory[str]:
+        try:
+            return TemporaryDirectory()
+        except OSError as error:
+            where = f" ({error.filename})" if error.filename else ""
+            raise MicrogripperError(
+                f"{self._path}: was not closed and is read from a copy, which cannot be made: "
+                f"{error.strerror}{where}; set TMPDIR to a folder that can be written"
+            ) from None
 
     def _read_topics(self) -> dict[int, Topic]:
         """Topics by their number in the file."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import sqlite3
+import tempfile
 from contextlib import closing
 from pathlib import Path
 
@@ -28,6 +29,7 @@ from microgripper_control.recordings.bag import Bag
 from microgripper_control.recordings.bag_writer import STORAGES, BagWriter
 from microgripper_control.recordings.read import read_recording
 from microgripper_control.recordings.repair import repair_bag
+from microgripper_control.recordings.sqlite import SqliteFile
 from microgripper_control.recordings.write import write_bag
 
 
@@ -249,6 +251,27 @@ def copy_messages(source: Path, writer: BagWriter, samples: int) -> None:
             if index == 2 * samples:
                 return
             writer.write(topic.name, at, content)
+
+
+def test_a_temporary_folder_that_is_not_there_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What was not closed is read from a copy."""
+    write_bag(tmp_path / "run", RECORDING, "sqlite3")
+    (tmp_path / "run" / "run.db3-wal").write_bytes(b"x")
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "gone"))
+    line = complaint(tmp_path / "run")
+    assert f"cannot be made: No such file or directory ({tmp_path / 'gone'}" in line
+    assert "set TMPDIR to a folder that can be written" in line
+
+
+def test_functions_that_a_database_names_itself_are_not_trusted(tmp_path: Path) -> None:
+    """It may name some in its schema, to be called by whoever reads it."""
+    write_bag(tmp_path / "run", RECORDING, "sqlite3")
+    file = SqliteFile(storage_file(tmp_path / "run"))
+    trusted = file._database.execute("PRAGMA trusted_schema").fetchone()
+    file.close()
+    assert trusted == (0,)
 
 
 def test_folders_and_files_that_are_no_bags(tmp_path: Path) -> None:

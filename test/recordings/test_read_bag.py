@@ -17,7 +17,8 @@ from bag_messages import (
     samples,
     write,
 )
-from rosbags.rosbag2 import CompressionMode
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, Writer
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.recording import Recording
@@ -79,6 +80,22 @@ def test_compressed_bags(tmp_path: Path, storage: str, compression: CompressionM
     file.write_bytes(file.read_bytes()[:-3000])
     if compression is not CompressionMode.STORAGE:  # which is read like a plain file
         assert "cannot be read: " in complaint(path)
+
+
+@pytest.mark.parametrize("compression", [CompressionMode.FILE, CompressionMode.MESSAGE])
+def test_a_compressed_bag_s_own_type(tmp_path: Path, compression: CompressionMode) -> None:
+    kind, store = "my_rig/msg/Sample", get_typestore(Stores.ROS2_JAZZY)
+    store.register(get_types_from_msg("float64 drive\nfloat64 gauge", kind))
+    writer = Writer(tmp_path / "run", version=9, storage_plugin=STORAGES["mcap"])
+    writer.set_compression(compression, CompressionFormat.ZSTD)
+    with writer:
+        topic = writer.add_connection("/sample", kind, typestore=store)
+        for k in range(COUNT):
+            message = store.types[kind](float(k), 1e-6 * k)
+            writer.write(topic, k * PERIOD, store.serialize_cdr(message, kind))
+    maps = Mapping.parse(["voltage=sample:drive", "displacement=sample:gauge"])
+    recording = read_recording(tmp_path / "run", maps)
+    assert np.array_equal(recording.voltage, np.arange(float(COUNT)))
 
 
 @pytest.mark.parametrize(

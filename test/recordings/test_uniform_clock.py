@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -241,6 +243,25 @@ def test_what_is_not_finite_is_an_error(quantity: str, value: float) -> None:
         on_uniform_clock("run", Samples(**columns))
 
 
+def test_a_time_that_is_no_number_is_told_at_its_own_sample() -> None:
+    """Others were overtaken; sorted, it would come last."""
+    time = TIME.copy()
+    time[[300, 301]] = time[[301, 300]]
+    time[42] = np.nan
+    with pytest.raises(MicrogripperError, match="time is nan at sample 42; repair it"):
+        read(time, when=TIME)
+
+
+@pytest.mark.parametrize("value", [1e308, -1e308, 1e20])
+def test_a_time_that_cannot_be_is_an_error(value: float) -> None:
+    time = TIME.copy()
+    time[-1] = value
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(MicrogripperError, match=r"time is -?1e\+\d+ at sample 1999; repair"):
+            read(time, when=TIME)
+
+
 def test_too_few_digits_are_an_error() -> None:
     with pytest.raises(MicrogripperError, match="write time with more digits"):
         read(np.floor(TIME * 300.0) / 300.0)
@@ -281,6 +302,32 @@ def test_a_gap_among_jittering_stamps_does_not_count() -> None:
     assert np.count_nonzero(~recording.present) == pytest.approx(498, abs=3)
     assert not np.any(recording.present[705:1195])
     assert any(line.startswith("missing samples: 500;") for line in recording.warnings)
+
+
+def test_time_that_often_runs_backwards_is_no_overtaking() -> None:
+    """One step in ten goes back, by one sample alone: the stamps are not those of the samples."""
+    order = np.arange(COUNT).reshape(-1, 10)
+    order[:, [4, 5]] = order[:, [5, 4]]
+    with pytest.raises(MicrogripperError, match="time runs backwards at sample 5, "):
+        read(TIME[order.ravel()])
+
+
+def test_a_setpoint_stays_with_its_sample() -> None:
+    """Also where samples are put in order, or dropped."""
+    order = np.arange(COUNT)
+    order[[300, 301]] = order[[301, 300]]
+    recording = read(TIME[order], setpoint=True)
+    assert np.array_equal(recording.setpoint, 2.0 * displacement_at(TIME))
+
+
+def test_what_is_held_changes_at_the_instant_that_is_nearer() -> None:
+    """A sample 0.3 of a period late is there for most of the way to the next."""
+    known = np.array([0.0, 1.3, 2.0, 2.7])
+    samples = Samples(PERIOD * known, np.arange(4.0), setpoint=10.0 * np.arange(4.0))
+    found = samples.on(known, np.arange(4.0))
+    assert found.voltage.tolist() == [0.0, 1.0, 2.0, 3.0]
+    assert found.setpoint is not None
+    assert found.setpoint.tolist() == [0.0, 10.0, 20.0, 30.0]
 
 
 def test_samples_that_were_overtaken_are_put_in_order() -> None:
