@@ -47,8 +47,9 @@ def read_csv(path: Path, mapping: Mapping, *, needs_displacement: bool) -> Recor
 
 
 def write_csv(path: str | Path, recording: Recording) -> None:
-    """Write `time_s,voltage_V` and what else was recorded; every digit is kept.
+    """Write `time_s,voltage_V` and what else was recorded, each number as it is.
 
+    A time since 1970 is so to 0.24 µs, its last digit here; a bag keeps the nanoseconds.
     Samples that were filled in are left out: whoever reads the file fills them in and knows it.
     """
     columns = {"time_s": recording.time, "voltage_V": recording.voltage}

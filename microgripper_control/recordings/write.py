@@ -21,6 +21,7 @@ def write_bag(path: str | Path, recording: Recording, storage: str = "mcap") -> 
 
     Each message is received at its stamp; a setpoint follows the sample that it answers by a
     quarter of the sample period. A recording that starts before 1970 is moved to begin there.
+    Samples that were filled in are left out: whoever reads the bag fills them in and knows it.
     """
     store = get_typestore(Stores.ROS2_JAZZY)
     stamp, header = store.types["builtin_interfaces/msg/Time"], store.types["std_msgs/msg/Header"]
@@ -35,7 +36,8 @@ def write_bag(path: str | Path, recording: Recording, storage: str = "mcap") -> 
         bag.add_topic(JOINT_STATES, JOINT_STATE)
         if recording.setpoint is not None:
             bag.add_topic(SETPOINT, FLOAT64)
-        for k, tick in enumerate(ticks.tolist()):
+        for k in np.flatnonzero(recording.present).tolist():
+            tick = int(ticks[k])
             message = joint_state(
                 header=header(stamp=stamp(*divmod(tick, 10**9)), frame_id=""),
                 name=[JOINT],

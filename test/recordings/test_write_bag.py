@@ -13,6 +13,7 @@ from rosbags.highlevel import AnyReader
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.recording import Recording
 from microgripper_control.recordings.bag_writer import STORAGES, BagWriter
+from microgripper_control.recordings.read import read_recording
 from microgripper_control.recordings.write import write_bag
 
 COUNT = 20
@@ -48,6 +49,22 @@ def test_a_recording_as_the_nodes_would_publish_it(tmp_path: Path, storage: str)
     assert sample.velocity.tolist() == pytest.approx([5e-6 / 1e-3])
     assert sample.effort.tolist() == [6.0]
     assert setpoint.data == 9.0
+
+
+@pytest.mark.parametrize("storage", STORAGES)
+def test_samples_that_were_filled_in_are_not_written(tmp_path: Path, storage: str) -> None:
+    recorded = np.ones(60, bool)
+    recorded[[5, 20, 21, 22]] = False
+    ramp = np.arange(60.0)
+    filled = Recording("run", 1e-3, ramp, 1e-9 * ramp, 1e-9 * ramp, recorded=recorded)
+    write_bag(tmp_path / "run", filled, storage)
+    found = read_recording(tmp_path / "run")
+    assert np.array_equal(found.present, recorded)
+    assert np.array_equal(found.measured[recorded], filled.measured[recorded])
+    assert found.setpoint is not None
+    # Of a setpoint at a sample that is missing nothing is known.
+    before = recorded & np.append(recorded[1:], True)
+    assert np.array_equal(found.setpoint[before], 1e-9 * ramp[before])
 
 
 @pytest.mark.parametrize("storage", STORAGES)
