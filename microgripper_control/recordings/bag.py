@@ -5,7 +5,7 @@ from __future__ import annotations
 import heapq
 import re
 from collections import Counter
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
 from types import TracebackType
 
@@ -22,6 +22,8 @@ from microgripper_control.recordings.storage import COMPRESSED, Block, StorageFi
 SUFFIXES = (".mcap", ".db3")
 PACKED = ".zstd"  # behind them, where rosbag2 compressed the file
 ROS1_MAGIC = b"#ROSBAG"
+
+Message = tuple[Topic, int, bytes]  # its topic, when it was received (ns since 1970), its content
 
 
 class Bag:
@@ -96,15 +98,26 @@ class Bag:
     def _shortage(self, name: str, count: int) -> str:
         return f"{name}: {count} of {self._counts[name]} messages are there"
 
-    def messages(self, topics: Collection[Topic]) -> Iterator[tuple[Topic, int, bytes]]:
-        """Topic, time of receipt (ns since 1970) and content of each message, in order of time."""
-        rows = (self._messages_of(topic) for topic in topics)
-        return heapq.merge(*rows, key=lambda row: row[1])
+    def messages(self, topics: Collection[Topic]) -> Iterator[Message]:
+        """Topic, time of receipt (ns since 1970) and content of each message.
 
-    def _messages_of(self, topic: Topic) -> Iterator[tuple[Topic, int, bytes]]:
-        for block in self.blocks([topic]):
-            for index in np.argsort(block.received, kind="stable"):
-                yield topic, int(block.received[index]), block.message(index)
+        In order of time as far as they are read together: of MCAP those of a chunk, one chunk after
+        the other; of SQLite, whose topics are read side by side, those of all topics.
+        """
+        if any(file.storage == "sqlite3" for file in self._files):
+            return _merged(self._messages_of([topic]) for topic in topics)
+        return self._messages_of(topics)
+
+    def _messages_of(self, topics: Collection[Topic]) -> Iterator[Message]:
+        """The messages of some topics in one pass: blocks of other topics each are together."""
+        place = {topic: index for index, topic in enumerate(topics)}
+        together: list[Block] = []
+        for block in self.blocks(topics):
+            if together and place[block.topic] <= place[together[-1].topic]:
+                yield from _merged(map(_messages_in, together))
+                together = []
+            together.append(block)
+        yield from _merged(map(_messages_in, together))
 
     def _open_folder(self) -> None:
         metadata = Metadata.read(self.path)
@@ -149,6 +162,15 @@ class Bag:
             f"{name} is in the folder but not listed in {METADATA}: not read" for name in others
         )
         return present
+
+
+def _merged(rows: Iterable[Iterator[Message]]) -> Iterator[Message]:
+    return heapq.merge(*rows, key=lambda row: row[1])
+
+
+def _messages_in(block: Block) -> Iterator[Message]:
+    for index in np.argsort(block.received, kind="stable"):
+        yield block.topic, int(block.received[index]), block.message(index)
 
 
 def _open_file(path: Path, *, listed: bool = False) -> StorageFile:

@@ -261,6 +261,39 @@ def test_messages_in_order_of_receipt(tmp_path: Path) -> None:
             assert len(list(bag.messages(bag.topics[1:]))) == COUNT
 
 
+@pytest.mark.parametrize("storage", STORAGES)
+def test_messages_in_order_of_receipt_chunk_by_chunk(tmp_path: Path, storage: str) -> None:
+    """Some topics are not in all chunks; of a bag by rosbag2 a chunk is half a second."""
+    topics = ("/a", "/b", "/c")
+    rng, sent = np.random.default_rng(2), []
+    with BagWriter(tmp_path / "run", storage) as bag:
+        for topic in topics:
+            bag.add_topic(topic, FLOAT64)
+        for at in range(300):
+            sent.append((str(rng.choice(topics[: 1 + at // 100])), at))
+            message = STORE.serialize_cdr(STORE.types[FLOAT64](float(at)), FLOAT64)
+            bag.write(*sent[-1], bytes(message))
+            if at % 7 == 0:
+                bag.flush()
+    with Bag(tmp_path / "run") as bag:
+        assert [(topic.name, at) for topic, at, _ in bag.messages(bag.topics)] == sent
+        assert list(bag.messages([])) == []
+
+
+@pytest.mark.parametrize("compression", [CompressionMode.NONE, CompressionMode.FILE])
+def test_the_messages_of_many_topics_are_read_in_one_pass(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, compression: CompressionMode
+) -> None:
+    sent = [float64(k * PERIOD + n, f"/topic_{n}", 1.0) for n in range(9) for k in range(COUNT)]
+    passes = []
+    with Bag(write(tmp_path / "run", sent, compression=compression)) as bag:
+        blocks = bag.blocks
+        monkeypatch.setattr(bag, "blocks", lambda some: passes.append(some) or blocks(some))
+        found = [at for _, at, _ in bag.messages(bag.topics)]
+    assert found == sorted(one.at for one in sent)
+    assert len(passes) == 1
+
+
 @pytest.mark.parametrize(
     ("names", "position", "effort"),
     [(["stage"], [5e-3], [7.0]), (["stage"], [5e-3], []), (["s", "t"], [1.0, 2.0], [3.0, 4.0])],
