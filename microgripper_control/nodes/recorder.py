@@ -14,7 +14,6 @@ arrive here, by their sequence numbers, and samples that are missing by the stam
 
 from __future__ import annotations
 
-import struct
 import time
 from collections.abc import Iterator
 from datetime import datetime
@@ -28,7 +27,7 @@ from microgripper_control.nodes.health import Health, Level
 from microgripper_control.nodes.parameters import declare_path, declare_text, declare_texts
 from microgripper_control.nodes.shell import Shell, run
 from microgripper_control.recordings.bag_writer import STORAGES, BagWriter
-from microgripper_control.recordings.losses import Sequence, StampedSamples
+from microgripper_control.recordings.losses import JointStates, Sequence
 from microgripper_control.recordings.offered_qos import Offered
 
 USUAL_TOPICS = (
@@ -42,7 +41,6 @@ LOOK_PERIOD = 0.05  # s, between looks for publishers
 FLUSH_PERIOD = 0.5  # s
 QUIET = 0.1  # s without a message: at the end nothing is on its way any more
 LONGEST_END = 1.0  # s
-STAMP = struct.Struct("<4xiI")  # of a serialized message that begins with a header
 
 
 class Recorder(Shell):
@@ -62,7 +60,7 @@ class Recorder(Shell):
         self._kinds: dict[str, str] = {}  # of the topics that are taken
         self._sequences: dict[str, Sequence] = {}
         self._refused: dict[str, str] = {}  # topics that cannot be recorded, and why
-        self._samples = StampedSamples()
+        self._samples = JointStates()
         self._looked = self._flushed = 0.0
         self._bag = BagWriter(folder, storage)
 
@@ -133,9 +131,8 @@ class Recorder(Shell):
 
     def _note(self, topic: str, message: bytes, number: int) -> None:
         self._sequences[topic].note(number)
-        if topic == self._stamped and len(message) >= STAMP.size:
-            seconds, nanoseconds = STAMP.unpack_from(message)
-            self._samples.note(seconds * 10**9 + nanoseconds)
+        if topic == self._stamped:
+            self._samples.note(message)
 
     def _look(self, topic: str) -> None:
         """Subscribe where that was not done, or not so that messages would come."""

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import struct
+from collections import defaultdict
 from statistics import median
 
 LEAP = 10_000  # numbers: more than are kept, so that so many are not lost at once
+MOST_DRIVERS = 100  # beyond it names that are new are not told apart: they would fill the memory
 FIRST = 200  # intervals between stamps that tell the sample period
+HEADER = struct.Struct("<4xiII")  # of a serialized JointState: s, ns, bytes of the frame's name
+NAMES = struct.Struct("<II")  # behind that name: how many joints, bytes of the first one's name
 
 
 class Sequence:
@@ -28,6 +33,35 @@ class Sequence:
             self.lost += number - last - 1
             self._lasts.remove(last)
         self._lasts.add(number)
+
+
+class JointStates:
+    """Serialized `joint_states` as they come, those of each driver on a clock of its own.
+
+    A driver is known by the first joint in its messages.
+    """
+
+    def __init__(self) -> None:
+        self._drivers: defaultdict[bytes, StampedSamples] = defaultdict(StampedSamples)
+
+    @property
+    def missing(self) -> int:
+        """How many ticks of their clocks had no sample."""
+        return sum(samples.missing for samples in self._drivers.values())
+
+    def note(self, message: bytes) -> None:
+        """Count a message; one that is cut off is none."""
+        try:
+            seconds, nanoseconds, frame = HEADER.unpack_from(message)
+            names = HEADER.size + frame + -frame % 4  # lengths are aligned
+            count, length = NAMES.unpack_from(message, names)
+        except struct.error:
+            return
+        first = names + NAMES.size
+        driver = message[first : first + length] if count else b""
+        if driver not in self._drivers and len(self._drivers) >= MOST_DRIVERS:
+            driver = b""
+        self._drivers[driver].note(seconds * 10**9 + nanoseconds)
 
 
 class StampedSamples:

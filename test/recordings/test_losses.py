@@ -1,8 +1,16 @@
 from __future__ import annotations
 
-import pytest
+from collections.abc import Sequence as Row
 
-from microgripper_control.recordings.losses import Sequence, StampedSamples
+import pytest
+from bag_messages import JOINT_STATE, STORE, joint_state
+
+from microgripper_control.recordings.losses import (
+    MOST_DRIVERS,
+    JointStates,
+    Sequence,
+    StampedSamples,
+)
 
 MILLISECOND = 1_000_000  # ns
 
@@ -49,3 +57,35 @@ def test_two_publishers_by_turns_lose_nothing(first: int) -> None:
     sequence.note(50_105)
     sequence.note(100)
     assert sequence.lost == 5
+
+
+def serialized(tick: int, names: Row[str] = ("finger",)) -> bytes:
+    values = [0.1 * tick] * len(names)
+    sent = joint_state(tick * MILLISECOND, values, values, names=names)
+    return bytes(STORE.serialize_cdr(sent.message, JOINT_STATE))
+
+
+@pytest.mark.parametrize("other", [["stage"], ["stage", "finger"], []])
+def test_of_drivers_that_share_a_topic_each_has_a_clock_of_its_own(other: list[str]) -> None:
+    states = JointStates()
+    for tick in range(500):
+        if tick not in (300, 301):
+            states.note(serialized(tick))
+        if tick % 4 == 1 and tick != 401:
+            states.note(serialized(tick, other))
+    assert states.missing == 3
+
+
+def test_a_message_that_is_cut_off_is_no_sample() -> None:
+    whole, states = serialized(5), JointStates()
+    states.note(whole)
+    for length in range(27):
+        states.note(whole[:length])
+    assert states.missing == 0
+
+
+def test_names_that_never_end_do_not_fill_the_memory() -> None:
+    states = JointStates()
+    for tick in range(500):
+        states.note(serialized(tick, [f"joint_{tick}"]))
+    assert len(states._drivers) <= MOST_DRIVERS + 1
