@@ -20,7 +20,7 @@ from rosbags.typesys.store import Typestore
 
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.folder_lock import FolderLock
-from microgripper_control.recordings.layout import LayoutError, types_with
+from microgripper_control.recordings.message_types import types_with
 from microgripper_control.recordings.offered_qos import profiles_in
 
 STORAGES = {"mcap": StoragePlugin.MCAP, "sqlite3": StoragePlugin.SQLITE3}
@@ -107,7 +107,7 @@ class BagWriter:
                     serialization_format=encoding,
                     offered_qos_profiles=profiles,
                 )
-        except (LayoutError, TypesysError, ValueError, LookupError, RecursionError):
+        except (TypesysError, ValueError, LookupError, RecursionError):
             raise MicrogripperError(
                 f"{self.path}: topic {name}: ROS 2 Jazzy has no type {kind}; leave the topic out"
             ) from None

@@ -10,13 +10,13 @@ from __future__ import annotations
 import re
 import struct
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from rosbags.interfaces import Nodetype
 from rosbags.interfaces.typing import FieldDesc, Typesdict
-from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
+from rosbags.typesys import TypesysError
 
+from microgripper_control.recordings.message_types import types_with
 from microgripper_control.recordings.storage import COMPRESSED, Topic
 
 HEAD = 4  # bytes: the encoding, then options
@@ -157,35 +157,14 @@ class _Walk:
         self.at += count
 
 
-@lru_cache(maxsize=1)
-def _jazzy_types() -> Typesdict:
-    return get_typestore(Stores.ROS2_JAZZY).fielddefs
-
-
 def types_of(topic: Topic) -> Typesdict:
-    """The fields of the topic's type and of those it is made of, as `types_with` finds them.
+    """The fields of the topic's type and of those it is made of, as the bag says, or else Jazzy.
 
-    Raises LayoutError if that does not or if the messages are not in CDR.
+    Raises LayoutError if neither does, or the messages are not in CDR.
     """
     if topic.encoding != "cdr":
         raise LayoutError(f"is encoded as {topic.encoding!r}; only 'cdr' is read")
-    return types_with(topic.type, topic.definition)
-
-
-def types_with(kind: str, definition: str) -> Typesdict:
-    """The fields of a type and of those it is made of: the bag's definition, else Jazzy's own.
-
-    Types of one name differ between releases of ROS 2. Raises LayoutError if there is neither, or
-    the bag's is not understood and there is no other.
-    """
-    known = _jazzy_types()
-    if definition:
-        try:
-            return {**known, **get_types_from_msg(definition, kind)}
-        except (TypesysError, ValueError, LookupError, RecursionError):
-            if kind not in known:
-                problem = "has a type whose definition in the bag is not understood"
-                raise LayoutError(problem) from None
-    if kind not in known:
-        raise LayoutError("has a type that neither ROS 2 Jazzy nor the bag defines")
-    return known
+    try:
+        return types_with(topic.type, topic.definition)
+    except TypesysError as error:
+        raise LayoutError(str(error)) from None
