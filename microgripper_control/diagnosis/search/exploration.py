@@ -28,7 +28,7 @@ from microgripper_control.diagnosis.search.labour import (
 from microgripper_control.diagnosis.search.likening import add_likened
 from microgripper_control.diagnosis.search.pool import Pool, is_read_off, strongest
 from microgripper_control.diagnosis.search.resettling import afresh, again_if_settled
-from microgripper_control.diagnosis.search.rounds import Progress, play, silent
+from microgripper_control.diagnosis.search.rounds import Progress, is_lag, play, silent
 from microgripper_control.diagnosis.search.schedule import side_by_side
 from microgripper_control.diagnosis.search.superposition import add_superposed, alike
 from microgripper_control.diagnosis.signs.signatures import signatures
@@ -71,11 +71,14 @@ def alone(
     first = [name for name in names if _is_first(name, evidence, refit)]
     rest = [name for name in names if name not in first]
     costly = [name for name in rest if is_costly_with(evidence, refit, name)]
+    # A refit that makes up for a lag goes far astray: all lags begin from the nominal model, too.
+    lags = [name for name in rest if is_lag(name) and name not in costly]
+    cheap = [name for name in rest if name not in {*lags, *costly}]
     play(evidence, bases, first, len(first), pool, progress, jobs)
     pool = on_the_sensors_clock(pool, jobs)
     evidence = pool.evidence
-    for some in ([name for name in rest if name not in costly], costly):
-        near = bases if pool.unexplained else bases[:-1]
+    for some in (lags, cheap, costly):
+        near = bases if pool.unexplained or some is lags else bases[:-1]
         play(evidence, near, some, len(some), pool, progress, jobs)
     pool = again_if_settled(pool, jobs)
     add_further_parts(pool, jobs)

@@ -97,11 +97,12 @@ def _scrutiny(name: str, alone: bool, pool: Pool) -> Scrutiny:
     if not alone:
         found = _by_itself(name, pool)
         return Scrutiny(GLANCE, MOST_STARTS, NEAR_IF_COSTLY * known, known, found)
-    lags = all(map(_is_lag, (name, *added(pool.evidence, pool.leader))))
+    lags = all(map(is_lag, (name, *added(pool.evidence, pool.leader))))
     return Scrutiny(GLANCE, STARTS, math.inf if lags else NEAR_IF_COSTLY * known, known)
 
 
-def _is_lag(name: str) -> bool:
+def is_lag(name: str) -> bool:
+    """Whether an effect lets the reading be behind the command."""
     return registry()[name].behind is not never_behind
 
 
@@ -169,10 +170,10 @@ def _going_on(
     limit = min(NEAR_IF_COSTLY * least, math.sqrt(before.fitted_rmse**2 - HELPED * gained))
     few = 1 if costly and not alone and is_long(evidence, costly[0].model) else FEW
     leading = added(evidence, pool.leader)
-    lags_race = alone and bool(leading) and all(map(_is_lag, leading))
+    lags_race = alone and bool(leading) and all(map(is_lag, leading))
 
     def is_near(trial: Trial) -> bool:
-        races = lags_race and all(map(_is_lag, added(evidence, trial)))
+        races = lags_race and all(map(is_lag, added(evidence, trial)))
         return races or trial.fitted_rmse < near * least
 
     return [
