@@ -71,6 +71,7 @@ class _Answer:
     effects: tuple[str, ...]
     best: Trial
     model: Model
+    slow_gain: bool  # whether that would explain much
 
 
 def diagnose(
@@ -139,6 +140,7 @@ def _diagnosed(
         pool.evidence.scales,
         groups,
         sizes(pool.evidence, given.best),
+        given.slow_gain,
     )
     return Diagnosis(
         verdict=given.verdict,
@@ -201,10 +203,11 @@ def _without_effects(whole: Evidence) -> tuple[Evidence, Trial, Sequence[Trial]]
 def _answer(explored: _Explored, signs: Sequence[Signature]) -> _Answer:
     """What is most probable; the effects of an answer are fitted to the end."""
     pool = explored.pool
-    weighed = weigh(Facts.of(pool, signs))
+    facts = Facts.of(pool, signs)
+    weighed = weigh(facts)
     verdict = answer.verdict(weighed, pool)
     if verdict == NONE:
-        return _Answer(weighed, verdict, (), explored.nominal, explored.whole.nominal)
+        return _Answer(weighed, verdict, (), explored.nominal, explored.whole.nominal, False)
     effects: tuple[str, ...] = ()
     best = pool.refit
     if verdict == EFFECTS:
@@ -212,7 +215,8 @@ def _answer(explored: _Explored, signs: Sequence[Signature]) -> _Answer:
         effects = answer.by_importance(chosen, pool)
         pool.add(refined(pool.evidence, pool.tried[chosen], FINE, 20))
         best = pool.tried[chosen]  # the last fit, unless it does worse: it may diverge
-    return _Answer(weighed, verdict, effects, best, identified(pool.evidence, best))
+    model = identified(pool.evidence, best)
+    return _Answer(weighed, verdict, effects, best, model, facts.slow_gain)
 
 
 def _next(weighed: Weighed, pool: Pool) -> NextExperiment | None:

@@ -230,6 +230,13 @@ def test_an_unknown_gap_says_how_large_where_and_whether_the_voltage_makes_it(
     assert expected in said
 
 
+def test_a_gain_that_would_explain_it_is_spoken_of() -> None:
+    said = sentence(UNKNOWN, [], GAP, PAPER, PAPER, [], [], SCALES, slow_gain=True)
+    assert said.startswith("Something is missing that no known effect explains")
+    assert "as if its gain changed slowly: look for a supply that sags" in said
+    assert "gain" not in sentence(UNKNOWN, [], GAP, PAPER, PAPER, [], [], SCALES)
+
+
 def test_what_does_not_follow_from_the_voltage_is_not_placed_on_it() -> None:
     foreign = Gap(90e-9, 69e-9, 69e-9, 15e-9, 0.0, 0.0, 0.0, 0.05, True)
     where = [Range("voltage_V", 100.0, 130.0, 0.9), Range("time_s", 5.0, 9.0, 0.8)]

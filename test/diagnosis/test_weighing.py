@@ -82,8 +82,10 @@ def test_a_gain_that_leaves_less_than_a_drift_is_no_drift() -> None:
     given = replace(facts(300.0, 200.0), tried={drift: alike(35.0)})
     assert weigh(given)[drift] > weigh(given)[OUTSIDE]
     for left, is_drift in ((16.0, False), (34.0, True)):
-        weighed = weigh(replace(given, gains={drift: alike(left)}))
+        beside = replace(given, gains={drift: alike(left)})
+        weighed = weigh(beside)
         assert (weighed[drift] > weighed[OUTSIDE]) == is_drift
+        assert beside.slow_gain != is_drift
 
 
 def test_an_unknown_law_is_held_against_the_model_as_given_if_a_refit_foretells_worse() -> None:

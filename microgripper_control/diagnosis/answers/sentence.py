@@ -38,12 +38,14 @@ def sentence(
     scales: Scales,
     ambiguous: Sequence[Sequence[str]] = (),
     sizes: Mapping[str, float] = MappingProxyType({}),
+    slow_gain: bool = False,
 ) -> str:
     """The verdict, the numbers behind it and how far the error shrinks, in a few plain sentences.
 
     `nominal` is the model as given, `model` the one that the verdict stands for. `ambiguous` are
     groups of effects that could stand for each other, `sizes` those of the effects of which each
-    recording has a course of its own, m rms.
+    recording has a course of its own, m rms. `slow_gain` says whether a gain that changes slowly
+    would explain much.
     """
     floor = f"noise floor {quantity(gap.noise_floor, 'm')}"
     if verdict == NONE:
@@ -61,7 +63,7 @@ def sentence(
         return " ".join(
             [as_sentence(clauses[0]), *map(_further, clauses[1:]), _shrunk(groups, gap)]
         )
-    return _unexplained(gap, where, floor)
+    return _unexplained(gap, where, floor, slow_gain)
 
 
 def described(name: str, values: Values, scales: Scales) -> str:
@@ -169,13 +171,18 @@ def _moved(nominal: Model, model: Model) -> str:
     return f"The model's parameters are off, and nothing else: {', '.join(said)}."
 
 
-def _unexplained(gap: Gap, where: Sequence[Range], floor: str) -> str:
+def _unexplained(gap: Gap, where: Sequence[Range], floor: str, slow_gain: bool) -> str:
     """A real gap that no candidate explains."""
     foreign = gap.free_form < EXPLAINABLE
     # Where it lies on an axis that the voltage drives would read as if the voltage were its cause.
     told = [found for found in where if not foreign or found.axis in UNDRIVEN]
     lies = f"; {clause(told[0], 'its')}" if told else ""
-    if foreign:
+    if slow_gain:
+        cause = (
+            "The rig goes farther at some times than at others, as if its gain changed slowly: "
+            "look for a supply that sags, a stack that ages, a sensor that warms."
+        )
+    elif foreign:
         cause = "Hardly any of it follows from the voltage: look for a disturbance."
     else:
         cause = (

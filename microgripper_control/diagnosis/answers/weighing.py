@@ -40,7 +40,7 @@ from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.data.grid import unrounded
 from microgripper_control.diagnosis.data.noise import removable
 from microgripper_control.diagnosis.findings import NONE, PARAMETERS, UNKNOWN, Signature
-from microgripper_control.diagnosis.fits.gain_course import DRIFT, gain_over_drift
+from microgripper_control.diagnosis.fits.gain_course import DRIFT, followed
 from microgripper_control.diagnosis.fits.trial import Trial, evenly
 from microgripper_control.diagnosis.search.pool import Pool, is_read_off
 from microgripper_control.effects.registry import registry
@@ -80,6 +80,7 @@ LEAVING = {
     "restoring_force_hysteresis": 0.0,
 }
 NEARLY = 0.1  # of the noise's power: what a law may leave besides and be as good as the rig's own
+FAR_LESS = 0.7  # of what a drift leaves: what leaves less is spoken of
 USUAL = 3  # parameters that are at work in an effect's law
 TINY = 1e-30  # m^2: keeps an error of zero from being infinitely good
 
@@ -133,6 +134,12 @@ class Facts:
     unusual: Mapping[Explanation, float] = field(default_factory=dict)  # `Link.unusual`, summed
     beyond: Mapping[Explanation, int] = field(default_factory=dict)  # parameters over the usual
 
+    @property
+    def slow_gain(self) -> bool:
+        """Whether a gain that changes slowly leaves far less than the drift in its place."""
+        lefts = ((left.both, self.tried[effects].both) for effects, left in self.gains.items())
+        return any(gain < FAR_LESS * drift for gain, drift in lefts)
+
     @classmethod
     def of(cls, pool: Pool, signatures: Sequence[Signature] = ()) -> Facts:
         """The facts in a pool and what fit-free tests say."""
@@ -158,13 +165,18 @@ def _all_act(effects: Explanation, trial: Trial) -> bool:
 def _with_gains(
     tried: Mapping[Explanation, Trial], pool: Pool
 ) -> Iterator[tuple[Explanation, Left]]:
-    """Of the best drift by itself and beside another effect, with what a gain's course leaves."""
+    """Of the best drift by itself and beside another effect, what a gain's course would leave."""
+    floor = pool.noise_floor
     for size in (1, 2):
         drifts = [effects for effects in tried if DRIFT in effects and len(effects) == size]
-        if drifts:
-            best = min(drifts, key=lambda effects: tried[effects].both)
-            ratio = gain_over_drift(pool.evidence, tried[best])
-            yield best, Left(*(ratio * error for error in explained(best, tried[best], pool)))
+        if not drifts:
+            continue
+        best = min(drifts, key=lambda effects: tried[effects].both)
+        drift, gain = (removable(left, floor) for left in followed(pool.evidence, tried[best]))
+        if gain < drift:
+            left = explained(best, tried[best], pool)
+            rests = (gain / drift * removable(error, floor) for error in left)
+            yield best, Left(*(math.hypot(floor, rest) for rest in rests))
 
 
 def _unusual(effects: Explanation, trial: Trial, pool: Pool) -> float:
