@@ -32,6 +32,21 @@ def test_intervals_keep_to_what_is_allowed_or_say_that_nothing_is_known() -> Non
     assert allowed((30.0, 50.0), limits) == (30.0, 50.0)
 
 
+def test_what_may_be_anything_leaves_the_others_their_intervals() -> None:
+    """A play that is taken up at once: its spread shows nothing, but could trade with its width."""
+    rig = nominal_model().with_link("backlash", play=3e-7, spread=0.0)
+    noise = 1.5e-8 * np.random.default_rng(2).standard_normal(len(TIME))
+    recording = Recording("run", PERIOD, VOLTAGE, simulate(rig, VOLTAGE, PERIOD) + noise)
+    evidence = Evidence.gather([recording], [], Conditions(), nominal_model())
+    model = nominal_model().with_link("backlash", play=3e-7, spread=1e-5, slowness=10.0)
+    free = fitted_keys(model, ["bouc_wen", "backlash"])
+    found = identified(evidence, Trial(model, free, (0.0,), np.inf)).settings["backlash"]
+    assert found["spread"].interval == (-math.inf, math.inf)
+    low, high = found["play"].interval or (-math.inf, math.inf)
+    assert low < 3e-7 < high
+    assert high - low < 2e-8
+
+
 def told_delay(samples: float, hold: Hold) -> tuple[float, float]:
     """The interval of a planted delay, both in samples, fitted from its nearest first guess."""
     rig = nominal_model().with_link("transport_delay", delay=samples * PERIOD)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,26 +17,42 @@ from microgripper_control.identification.confidence import autocorrelation_time,
 from microgripper_control.identification.determined import freedom, variances
 from microgripper_control.identification.nuisance import own_courses
 from microgripper_control.identification.problem import Problem
-from microgripper_control.plant.model import Model, Setting
+from microgripper_control.plant.model import Key, Model, Setting
 
 LIKELY = 3.84  # chi squared of one parameter at 95 %
 HALVINGS = 12  # of a sample period: how closely the end of a range is told
 
 
 def identified(evidence: Evidence, trial: Trial) -> Model:
-    """The trial's model with 95 % intervals of what was fitted."""
+    """The trial's model with 95 % intervals of what was fitted.
+
+    What may be anything at all, for what the recordings tell, is held while the others' are taken:
+    their derivatives would trade with its far beyond its range.
+    """
     problem = problem_of(evidence, trial.model, trial.free)
     z = problem.point(trial.model, trial.initial_hysteresis)
-    spread = variances(problem, z)
-    left_over = freedom(problem, z)
-    settings = {}
-    for index, key in enumerate(problem.free):
-        value, scale = trial.model.value(*key), float(problem.scales[index])
-        bounds = interval(value, float(spread[index]) * scale**2, left_over)
+    found = told = _intervals(problem, z)
+    while known := tuple(key for key, (low, high) in told.items() if math.isfinite(high - low)):
+        if len(known) == len(told):
+            break
+        fewer = replace(problem, free=known)
+        told = _intervals(fewer, fewer.point(trial.model, trial.initial_hysteresis))
+        found = found | told
+    settings = {key: Setting(trial.model.value(*key), ends) for key, ends in found.items()}
+    return _as_observed(problem, z, trial.model.with_settings(settings))
+
+
+def _intervals(problem: Problem, z: Array) -> dict[Key, tuple[float, float]]:
+    """Of each free parameter; infinite where it may be anything."""
+    spread, left_over, model = variances(problem, z), freedom(problem, z), problem.model_at(z)
+    found = {}
+    for index, (link, name) in enumerate(problem.free):
+        scale = float(problem.scales[index])
+        bounds = interval(model.value(link, name), float(spread[index]) * scale**2, left_over)
         if problem.by_sample(index):
             bounds = _without_a_trace(problem, z, index)
-        settings[key] = Setting(value, allowed(bounds, registry()[key[0]].parameter(key[1])))
-    return _as_observed(problem, z, trial.model.with_settings(settings))
+        found[link, name] = allowed(bounds, registry()[link].parameter(name))
+    return found
 
 
 def allowed(bounds: tuple[float, float], parameter: Parameter) -> tuple[float, float]:
