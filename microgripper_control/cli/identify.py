@@ -18,8 +18,10 @@ from microgripper_control.cli.options import (
     ModelOption,
     read_all,
     read_model,
+    warn_of_scale,
 )
 from microgripper_control.cli.tables import print_table
+from microgripper_control.core.errors import one_line
 from microgripper_control.core.files import check_place
 from microgripper_control.core.recording import refuse_twice
 from microgripper_control.effects.registry import registry
@@ -30,6 +32,7 @@ from microgripper_control.plant.model import Key, Setting, title
 from microgripper_control.plant.model_file import save_model
 from microgripper_control.plant.simulate import Initial
 
+MISFIT, SMALL = 2.0, 1e-3  # times the noise, and of peak to peak: what leaves more is not the rig's
 GAIN_TITLE = "gain d k/(k + k_s)"
 
 
@@ -47,11 +50,12 @@ def identify(
     check_place(out, [*recordings, model])
     given = read_all(recordings, nominal, maps)
     refuse_twice(given)
+    conditions = Conditions(hold, initial)
+    warn_of_scale(nominal, given, conditions)
     with Console(stderr=True).status("reading") as status:
-        found = fit(
-            nominal, given, Conditions(hold, initial), lambda stage: status.update(f"fit: {stage}")
-        )
+        found = fit(nominal, given, conditions, lambda stage: status.update(f"fit: {stage}"))
     save_model(found.model, out)
+    _warn_of_misfits(found)
     if json_:
         typer.echo(json.dumps(as_json(found) | {"fitted": str(out)}, allow_nan=False))
         return
@@ -69,6 +73,20 @@ def identify(
             markup=False,
         )
     console.print(f"written: {out}", markup=False)
+
+
+def _warn_of_misfits(found: Fit) -> None:
+    """Say on standard error where the model is not the rig's: its intervals are not, either."""
+    for name, rmse, relative, white in zip(
+        found.recordings, found.rmse, found.relative_rmse, found.white_noise, strict=True
+    ):
+        if rmse > MISFIT * white and relative > SMALL:
+            typer.echo(
+                f"warning: {one_line(name)}: the model leaves {rmse / white:.1f} times the noise, "
+                "and the intervals hold only if it is right; microgripper diagnose says what is "
+                "missing",
+                err=True,
+            )
 
 
 def parameter_rows(found: Fit) -> Iterator[tuple[str, ...]]:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import typer
 
 from microgripper_control.core.errors import one_line
 from microgripper_control.core.recording import Recording
+from microgripper_control.identification.nuisance import Conditions
+from microgripper_control.identification.scale_check import scale_warnings
 from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.model_file import load_model
@@ -52,6 +56,16 @@ def read_model(path: Path) -> Model:
     for warning in model.warnings:
         typer.echo(f"warning: {one_line(warning)}", err=True)
     return model
+
+
+def warn_of_scale(model: Model, recordings: Sequence[Recording], conditions: Conditions) -> None:
+    """Say on standard error if recordings go another way than the model: a unit may be wrong."""
+    measured = [one for one in recordings if one.displacement is not None]
+    if measured:
+        with np.errstate(all="ignore"):  # what a damaged file holds may overflow: it is told
+            warnings = scale_warnings(model, measured, conditions)
+        for warning in warnings:
+            typer.echo(f"warning: {warning}", err=True)
 
 
 def read_all(

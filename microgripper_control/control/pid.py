@@ -5,7 +5,8 @@
     D[k] = (Tf D[k-1] + kd (y[k] - y[k-1])) / (Tf + T)
 
 with T the sample period, Tf the filter's time constant and y the error, or minus the measurement so
-that a jump of the setpoint does not kick; all by backward differences.
+that a jump of the setpoint does not kick; all by backward differences. At ki = 0 nothing would ever
+take out what a take-over without a jump has put into I: it fades.
 Source: Astrom and Hagglund, Advanced PID Control, 2006, chapter on implementation.
 
 Anti-windup is conditional integration (same, chapter 3; `conditional_integration` in ros-controls'
@@ -21,6 +22,8 @@ import math
 from dataclasses import dataclass
 
 from microgripper_control.control.declared import Declared, declared
+
+FADING = 0.5  # s, time constant of I without integral action
 
 
 @dataclass(frozen=True)
@@ -45,6 +48,7 @@ class Pid:
     def __init__(self, gains: PidGains, sample_period: float, authority: float = math.inf) -> None:
         self._period = sample_period
         self._authority = authority
+        self._kept = math.exp(-sample_period / FADING)  # of I after a sample, if ki = 0
         self._error = 0.0
         self._signal = math.nan  # y[k-1]; none yet
         self._derivative = 0.0  # D, V
@@ -61,7 +65,7 @@ class Pid:
     def change_gains(self, gains: PidGains) -> None:
         """Change the gains without a jump: I takes over what P and D would have jumped by.
 
-        With ki = 0 the integral keeps that amount, as a bias.
+        With ki = 0 that amount fades.
         """
         old = self._gains
         begins = gains.derivative_on_measurement != old.derivative_on_measurement or old.kd == 0.0
@@ -83,7 +87,8 @@ class Pid:
         g = self._gains
         signal = -measurement if g.derivative_on_measurement else error
         derivative = self._differentiate(signal) if g.kd else 0.0
-        integral = self._bound(self.integral + g.ki * self._period * error)
+        kept = 1.0 if g.ki else self._kept
+        integral = self._bound(kept * self.integral + g.ki * self._period * error)
         output = g.kp * error + integral + derivative
         if not math.isfinite(output):
             self.bounded = not low <= self.output <= high

@@ -29,7 +29,6 @@ from microgripper_control.diagnosis.fits.courses import sizes
 from microgripper_control.diagnosis.fits.fitting import FINE
 from microgripper_control.diagnosis.fits.hold_check import hold_warnings
 from microgripper_control.diagnosis.fits.identified_model import identified
-from microgripper_control.diagnosis.fits.scale_check import scale_warnings
 from microgripper_control.diagnosis.fits.trial import Trial
 from microgripper_control.diagnosis.fits.unseen import unseen_gap, unseen_warning
 from microgripper_control.diagnosis.search.exploration import alone, together
@@ -43,6 +42,7 @@ from microgripper_control.diagnosis.signs.where import locate
 from microgripper_control.effects.base import no_starts
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.nuisance import Conditions
+from microgripper_control.identification.scale_check import scale_warnings
 from microgripper_control.plant.model import Model
 
 

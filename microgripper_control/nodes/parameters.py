@@ -6,6 +6,7 @@ A whole number is as good as a float: rclpy takes `kp: 5` for an integer and wou
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Sequence
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -17,6 +18,7 @@ from rclpy.parameter import Parameter as RosParameter
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.share import share_folder
+from microgripper_control.nodes.usage import QOS
 
 Checked = TypeVar("Checked")
 
@@ -105,6 +107,20 @@ def check_choice(name: str, value: str, choices: Sequence[str]) -> None:
     """Raise MicrogripperError naming the choices where `value` is none of them."""
     if choices and value not in choices:
         raise MicrogripperError(f"{name}: {value!r:.60} is none of {', '.join(choices)}")
+
+
+def unknown_parameters(node: Node) -> list[str]:
+    """A line for each parameter that was given and is none of the node's: rclpy ignores it."""
+    given = node._parameter_overrides  # rclpy has no other list of what was given
+    lines = []
+    for name in sorted(given):
+        if node.has_parameter(name) or name.startswith(QOS):
+            continue
+        known = node.list_parameters([], 0).names
+        near = get_close_matches(name, known, n=1)
+        hint = f"did you mean {near[0]}?" if near else "see --help"
+        lines.append(f"{name}: there is no such parameter, it is ignored; {hint}")
+    return lines
 
 
 def accept_whole_numbers(node: Node) -> None:

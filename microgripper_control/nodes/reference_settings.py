@@ -11,6 +11,7 @@ a row are named in `segments`, and each has its parameters under its name:
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 from rclpy.node import Node
 
@@ -57,6 +58,8 @@ def _declare_shape(node: Node, prefix: str, sample_period: float) -> tuple[Setpo
     length = declare_number(node, replace(LENGTH, name=f"{prefix}length"), read_only=True)
     if name == CSV:
         file = declare_path(node, f"{prefix}file", "", "CSV with time_s")
+        if file == Path():
+            raise MicrogripperError(f"{prefix}file is empty: name a CSV, -p {prefix}file:=PATH")
         column = declare_text(node, f"{prefix}column", "", "the values' column", read_only=True)
         recorded = read_recorded(file, column or None)
         return recorded, length or float(recorded.times[-1]) + sample_period

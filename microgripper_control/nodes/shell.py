@@ -33,7 +33,7 @@ from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedE
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
-from rclpy.utilities import try_shutdown
+from rclpy.utilities import remove_ros_args, try_shutdown
 
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.parameters import Parameter
@@ -43,10 +43,12 @@ from microgripper_control.nodes.parameters import (
     accept_whole_numbers,
     declare_number,
     declare_text,
+    unknown_parameters,
 )
 from microgripper_control.nodes.qos import events_of
 from microgripper_control.nodes.realtime import HIGHEST, go_first
 from microgripper_control.nodes.topics import NAMESPACE
+from microgripper_control.nodes.usage import WORDS, usage
 
 SINGLE_THREADED, EVENTS = "single_threaded", "events"
 EXECUTORS: dict[str, Callable[[], Executor]] = {SINGLE_THREADED: SingleThreadedExecutor}
@@ -139,7 +141,7 @@ def run(make: Callable[[], Shell], args: list[str] | None = None) -> NoReturn:
     """Make a node and run it to its end or until SIGINT or SIGTERM; exits the process.
 
     Exit status: 0 if it did what it was started for or was asked to end, 1 if it failed, 2 on bad
-    input, with one line on standard error.
+    input, with one line on standard error. With `--help` it only says which parameters it has.
     """
     status = _run(make, args)
     end_within(PATIENCE, status)
@@ -152,8 +154,16 @@ def _run(make: Callable[[], Shell], args: list[str] | None) -> int:
         if not any(name in os.environ for name in ASKED):
             os.environ[TRANSPORTS] = "UDPv4"
         try:
-            rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+            own = remove_ros_args(sys.argv)[1:] if args is None else remove_ros_args(args)
+            helping = any(word in own for word in WORDS)
+            if own and not helping:
+                raise MicrogripperError(f"unknown argument {own[0]!r:.60}; see --help")
+            given = [] if helping else args
+            rclpy.init(args=given, signal_handler_options=SignalHandlerOptions.NO)
             node = make()
+            if helping:
+                print(usage(node))
+                return 0
             status = _spin(node, asked)
         except MicrogripperError as error:
             status = _bad_input(node, str(error))
@@ -170,6 +180,8 @@ def _run(make: Callable[[], Shell], args: list[str] | None) -> int:
 def _spin(node: Shell, asked: list[int]) -> int:
     executor = EXECUTORS[node.executor_name]()
     executor.add_node(node)
+    for line in unknown_parameters(node):
+        node.get_logger().warning(line)
     try:
         node.begin()
         refusal = go_first(node.priority) if node.priority else None

@@ -59,6 +59,30 @@ def test_writes_a_model_with_intervals_that_hold_the_truth(
     assert "% of peak to peak" in done.out
 
 
+def test_a_wrong_unit_is_asked_about(
+    microgripper: Run, model: Path, recording: Path, tmp_path: Path
+) -> None:
+    words = ("--model", model, recording, "--map", "displacement=displacement_m*1e6")
+    for command, out in (("identify", "fitted.yaml"), ("simulate", "predicted.csv")):
+        done = microgripper(command, *words, "--out", tmp_path / out)
+        assert done.status == 0
+        assert "times as far as the model: make sure of the units" in done.err
+
+
+def test_a_model_that_leaves_more_than_noise_is_told(
+    microgripper: Run, model: Path, recording: Path, tmp_path: Path
+) -> None:
+    rig = nominal_model().with_link("backlash", play=3e-7)
+    noise = 15e-9 * np.random.default_rng(0).standard_normal(len(VOLTAGE))
+    other = write(tmp_path / "other.csv", VOLTAGE, simulate(rig, VOLTAGE, PERIOD) + noise)
+    fitted = [
+        microgripper("identify", "--model", model, path, "--out", tmp_path / "f.yaml")
+        for path in (recording, other)
+    ]
+    assert "warning" not in fitted[0].err
+    assert re.search(r"other\.csv: the model leaves \d\.\d times the noise", fitted[1].err)
+
+
 def test_json_is_for_machines(
     microgripper: Run, model: Path, recording: Path, tmp_path: Path
 ) -> None:

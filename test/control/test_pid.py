@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 
-from microgripper_control.control.pid import Pid, PidGains
+from microgripper_control.control.pid import FADING, Pid, PidGains
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.signals import Array
 
@@ -123,4 +123,12 @@ def test_another_signal_to_differentiate_does_not_jump() -> None:
     last = [pid.step(0.0, 1e-6 * k) for k in range(100)][-1]
     assert abs(last) > 5.0
     pid.change_gains(replace(before, derivative_on_measurement=False))
-    assert pid.step(0.0, 100e-6) == pytest.approx(last)
+    assert pid.step(0.0, 100e-6) == pytest.approx(last, rel=1.1 * T / FADING)
+
+
+def test_without_integral_action_a_take_over_is_forgotten() -> None:
+    pid = Pid(PidGains(kp=1e5, ki=0.0), T)
+    assert pid.join(50.0, 4e-6, 0.0) == pytest.approx(50.0)
+    steps = [pid.step(4e-6, 0.0) for _ in range(round(10.0 * FADING / T))]
+    assert steps[0] == pytest.approx(50.0, rel=1.1 * T / FADING)
+    assert steps[-1] == pytest.approx(1e5 * 4e-6, rel=0.01)

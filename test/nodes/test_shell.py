@@ -30,6 +30,7 @@ BAD = [
     (Reference, ["shape:=circle"], "shape: 'circle' is none of step, staircase"),
     (Reference, ["frequency:=-1"], "frequency = -1 is outside its range"),
     (Reference, ["shape:=csv", "file:=nowhere.csv"], "nowhere.csv: cannot be read"),
+    (Reference, ["shape:=csv"], "file is empty: name a CSV, -p file:=PATH"),
     (Reference, ["segments:=[a]"], "a.length: a segment needs one"),
     (Reference, ["shape:=multisine", "highest:=900"], "end below 500 Hz"),
     (Recorder, ["out:=."], "exists already"),
@@ -65,6 +66,47 @@ def test_bad_input_gets_one_line_and_exit_status_2(
     assert message in line
     assert not list(tmp_path.glob("[!r]*")), "half-written files"
     assert signal.getsignal(signal.SIGTERM) == before
+
+
+def asked(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], *words: str
+) -> tuple[object, str, str]:
+    """The exit status of a controller that is called with words of no node, and what it prints."""
+    monkeypatch.setattr(shell, "end_within", lambda seconds, status: None)
+    with pytest.raises(SystemExit) as ending:
+        run(ControllerNode, list(words))
+    printed = capfd.readouterr()
+    return ending.value.code, printed.out, printed.err
+
+
+def test_asked_for_help_it_says_what_its_parameters_are_and_does_nothing(
+    ros_domain: dict[str, str], monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    status, out, err = asked(monkeypatch, capfd, "--help", "--ros-args", "-p", "kp:=-1")
+    assert status == 0
+    assert out.startswith("usage: controller --ros-args")
+    assert (
+        "  voltage_rate (now 20000.0)\n      fastest change while controlling, V/s; 1 .. 1e+09"
+        in out
+    )
+    assert "qos_overrides" not in out
+    assert "ready" not in err
+
+
+def test_a_word_that_no_node_knows_is_refused(
+    ros_domain: dict[str, str], monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    status, _, err = asked(monkeypatch, capfd, "sideways")
+    assert status == 2
+    assert err.endswith("unknown argument 'sideways'; see --help\n")
+
+
+def test_a_parameter_that_it_has_not_is_told(start: Start) -> None:
+    controller = start("controller", voltage_mx=60.0, kp=5)
+    controller.until_it_says("ready")
+    assert "voltage_mx: there is no such parameter, it is ignored" in controller.log
+    assert "did you mean voltage_max?" in controller.log
+    assert "kp:" not in controller.log
 
 
 def test_every_node_ends_by_signal_with_exit_status_0(start: Start, tmp_path: Path) -> None:

@@ -50,7 +50,7 @@ def read_recorded(path: str | Path, column: str | None = None) -> Recorded:
     if column is None:
         others = [name for name in table.header if name != TIME]
         if len(others) != 1:
-            raise MicrogripperError(f"{path}: choose a column; it has {', '.join(table.header)}")
+            raise MicrogripperError(f"{path}: choose a column of {', '.join(others)}")
         (column,) = others
     times, points = table.whole_numbers([time_at, table.column(column)]).T
     if not len(times):

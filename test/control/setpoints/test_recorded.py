@@ -47,7 +47,7 @@ def test_holds_each_value_until_the_next(csv: Write) -> None:
             "t,voltage_V\n0,1\n",
             "no columns named 'time_s' where one is needed; it has t, voltage_V",
         ),
-        ("time_s,a,b\n0,1,2\n", "choose a column; it has time_s, a, b"),
+        ("time_s,a,b\n0,1,2\n", "choose a column of a, b"),
         ("time_s,a\n0,1\n1\n", "line 3: 1 cells, none in column 'a'; complete or remove it"),
         ("time_s,a\n0,1\n1,x\n", "line 3: 'x' in column 'a' is not a number"),
         ("time_s,a\n0,1\n1,inf\n", "row 2: a is inf"),

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from microgripper_control.core.recording import Recording
-from microgripper_control.diagnosis.fits.scale_check import scale_warnings
 from microgripper_control.identification.nuisance import Conditions
+from microgripper_control.identification.scale_check import scale_warnings
 from microgripper_control.plant.model import nominal_model
 from microgripper_control.plant.simulate import simulate
 
