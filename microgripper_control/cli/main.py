@@ -12,6 +12,7 @@ import typer
 from microgripper_control.cli.bench import bench
 from microgripper_control.cli.demo import demo
 from microgripper_control.cli.diagnose import diagnose, spread_heldout
+from microgripper_control.cli.effects import effects
 from microgripper_control.cli.identify import identify
 from microgripper_control.cli.paper import paper
 from microgripper_control.cli.repair import repair
@@ -26,8 +27,9 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (identify, simulate, diagnose, validate, stiffness, repair, paper, demo, bench):
-    app.command(no_args_is_help=command is not demo)(command)
+COMMANDS = (identify, simulate, diagnose, effects, validate, stiffness, repair, paper, demo, bench)
+for command in COMMANDS:
+    app.command(no_args_is_help=command not in (demo, effects))(command)
 
 
 BAD_INPUT = 2
