@@ -33,6 +33,7 @@ for command in COMMANDS:
 
 
 BAD_INPUT = 2
+VALIDATORS_OWN = "Value error, "  # what typer's validator says before what is wrong
 UsageError: Any = typer.BadParameter.__base__  # typer exports it not, and may bring its own click
 
 
@@ -49,7 +50,7 @@ def main() -> None:
             raise
         problem = f"{error.filename!s:.60}...: is too long a name for a file"
     except UsageError as error:
-        problem = one_line(error.format_message())
+        problem = one_line(error.format_message()).replace(VALIDATORS_OWN, "")
         if not problem:  # no arguments at all: the help has been shown instead
             sys.exit(BAD_INPUT)
         problem = problem.rstrip(".")

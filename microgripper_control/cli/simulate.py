@@ -77,7 +77,8 @@ def simulate(
         for time, value in zip(given.time[recorded], prediction[recorded], strict=True):
             file.write(f"{time:.9f},{float(value)!r}\n")
     if json_:
-        result = {"recording": given.name, "predicted": str(out), **summary}
+        named = {"recording": given.name, "predicted": str(out)}
+        result = {"schema": "microgripper-simulation/1", **named, **summary}
         typer.echo(json.dumps(result, allow_nan=False))
         return
     typer.echo(f"{np.count_nonzero(recorded)} samples predicted: {out}")

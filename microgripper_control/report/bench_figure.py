@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from itertools import cycle
 from pathlib import Path
+from textwrap import wrap
 
 from matplotlib.axes import Axes
 
@@ -12,11 +13,11 @@ from microgripper_control.bench.row import MET, Curve, Line
 from microgripper_control.bench.run import Bench
 from microgripper_control.report.figures import MEASURED, SIMULATED, figure, label
 
-LINE_HEIGHT = 0.22  # inch
+LINE_HEIGHT = 0.3  # inch, for two rows of text
 WIDTH = 11.0  # inch
 MANY, FEW = 1e3, 1e-3  # times better or worse than asked for: drawn no farther out
 MARKERS = "os^Dvx"  # as curves share colours
-LONGEST = 66  # characters
+FOLDED = 70  # characters in a row
 
 
 def draw_bench(path: Path, bench: Bench) -> None:
@@ -50,15 +51,16 @@ def _draw_goals(axes: Axes, lines: tuple[Line, ...]) -> None:
     axes.scatter(margins, places, color=colours, s=18, zorder=3.0)
     axes.axvline(1.0, color="black", linewidth=1.0)
     axes.set_xscale("log")
-    names = [f"{_short(line)}: {figure_text(line).split(' [')[0]}" for line in lines]
-    axes.set_yticks(places, names, fontsize=7)
+    axes.set_yticks(places, [_told(line) for line in lines], fontsize=6.5)
     axes.set_ylim(len(lines) - 0.5, -0.5)
     label(axes, "times better than the goal (left of 1, in red: missed)", "", "Goals")
 
 
-def _short(line: Line) -> str:
-    name = f"{line.what} / {line.against}" if line.against else line.what
-    return name if len(name) <= LONGEST else f"{name[: LONGEST - 1]}…"
+def _told(line: Line) -> str:
+    """What was measured and found, and beneath it what against."""
+    rows = [f"{line.what}: {figure_text(line).split(' [')[0]}"]
+    rows += wrap(f"against {line.against}", FOLDED) if line.against else []
+    return "\n".join(rows)
 
 
 def _draw_growth(axes: Axes, curves: list[Curve]) -> None:

@@ -66,6 +66,7 @@ def test_the_recordings_own_zero_is_fitted_unless_told_not_to(
     path = write(tmp_path / "run.csv", VOLTAGE, measured, header="time_s,voltage_V,displacement_m")
     words = ("simulate", "--model", model, path, "--out", tmp_path / "p.csv", "--json")
     fitted = json.loads(microgripper(*words).out)
+    assert fitted["schema"] == "microgripper-simulation/1"
     assert fitted["rmse_m"] < 1e-12
     plain = json.loads(microgripper(*words, "--nuisance", "none").out)
     assert plain["rmse_m"] == pytest.approx(5e-6, rel=1e-6)
