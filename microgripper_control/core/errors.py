@@ -24,3 +24,7 @@ class MicrogripperError(Exception):
 
     def __str__(self) -> str:
         return one_line(super().__str__())
+
+
+class TooStiffError(MicrogripperError):
+    """Values that no step of a simulation is short enough for."""

@@ -29,7 +29,7 @@ import numpy as np
 from scipy.linalg import expm
 
 from microgripper_control.core.compiled import address_of
-from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.errors import TooStiffError
 from microgripper_control.core.signals import FREE, HIGH, LOW, POSITION, ROWS, Array, Timing
 from microgripper_control.effects import force_balance as layout
 from microgripper_control.effects.base import Load, Prepared, Values
@@ -57,7 +57,7 @@ FAST = 0.5  # rad a sample: slower ringing is drawn by the samples, and a fit fi
 def prepare(values: Values, timing: Timing, levels: Array, loads: Sequence[Load]) -> Prepared:
     """As `second_order.prepare`. At rest the mass has come slowly, as h has it.
 
-    Raises MicrogripperError where forces damp more than can be followed.
+    Raises TooStiffError where forces damp more than can be followed.
     """
     loads = sorted(loads, key=lambda load: load[0].brakes)  # those that brake come last
     laws = _laws(loads)
@@ -83,7 +83,7 @@ def _finer(values: Values, omega: float, loads: Sequence[Load]) -> float:
     most = MOST_DAMPED * values["m"] * omega
     damping = sum(force.damping(given) for force, given in loads)
     if damping > most:
-        raise MicrogripperError(
+        raise TooStiffError(
             f"a force damps by {damping:g} N*s/m; beside these mechanics up to {most:.0f} can be "
             "followed, and far less keeps them from ringing: lower the damping of friction"
         )

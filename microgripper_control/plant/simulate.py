@@ -12,7 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.errors import MicrogripperError, TooStiffError
 from microgripper_control.core.signals import (
     HYSTERESIS,
     LEVELS,
@@ -59,7 +59,8 @@ def simulate(
 
     `initial_hysteresis` (m) is h at the first sample, for `Initial.FIRST_SAMPLE`. `random` includes
     the links that draw random numbers; without it the result is the model's prediction.
-    `reading_age` (s) is how old the first reading is, for a sensor with a clock of its own.
+    `reading_age` (s) is how old the first reading is, for a sensor with a clock of its own. NaN
+    where the model is too stiff: a fit that comes by turns back.
     """
     voltage = np.ascontiguousarray(voltage, dtype=float)
     if voltage.ndim != 1 or len(voltage) < 2 or not np.all(np.isfinite(voltage)):
@@ -69,15 +70,18 @@ def simulate(
     periodic = initial is Initial.PERIODIC
     driven = np.append(voltage, voltage[0]) if periodic else voltage
     smooth = course(voltage, periodic) if hold is Hold.BANDLIMITED else None
-    chain = Chain(
-        model,
-        sample_period,
-        levels,
-        hold=hold,
-        divisions=smooth.divisions if smooth else 1,
-        random=random,
-        reading_age=reading_age,
-    )
+    try:
+        chain = Chain(
+            model,
+            sample_period,
+            levels,
+            hold=hold,
+            divisions=smooth.divisions if smooth else 1,
+            random=random,
+            reading_age=reading_age,
+        )
+    except TooStiffError:
+        return np.full(len(voltage), np.nan)
     drive = _drive(driven, chain.timing, hold, smooth)
     positions = np.empty(len(voltage))
     if periodic:
@@ -142,7 +146,8 @@ def _blocks(rests: Sequence[slice], count: int, most: int) -> Iterator[tuple[int
 class Plant:
     """The model run live: `read` the displacement, then `write` the voltage, once a tick each.
 
-    It starts settled at `initial_voltage` (V) with h as in `initial_hysteresis` (m).
+    It starts settled at `initial_voltage` (V) with h as in `initial_hysteresis` (m). Raises
+    MicrogripperError where the model is too stiff to be followed.
     """
 
     def __init__(

@@ -8,7 +8,7 @@ way to either: of the two, whichever is at work leaves less.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -21,14 +21,14 @@ from microgripper_control.diagnosis.fits.trial import Trial
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.nuisance import (
     Conditions,
-    Nuisance,
+    Mask,
     Projection,
     courses,
     fit_nuisance,
     largest_hysteresis,
     response,
 )
-from microgripper_control.plant.model import Model
+from microgripper_control.plant.model import Key, Model
 
 DRIFT = "thermal_drift"
 STEP = 0.01  # of a value, for its derivative
@@ -44,55 +44,58 @@ class Followed(NamedTuple):
 def followed(evidence: Evidence, trial: Trial) -> Followed:
     """What courses of a drift leave of all recordings, and of a gain, beside a trial with a drift.
 
-    On the samples that they are fitted to; neither foretells anything.
+    On the samples that are fitted or judge, all of which the courses are fitted to.
     """
-    recordings = {id(one): one for one in (*evidence.fitted, *evidence.judged)}
+    looked_at: dict[int, tuple[Recording, Mask]] = {}
+    recordings, masks = (*evidence.fitted, *evidence.judged), (*evidence.used, *evidence.compared)
+    for recording, mask in zip(recordings, masks, strict=True):
+        _, known = looked_at.get(id(recording), (recording, mask))
+        looked_at[id(recording)] = recording, known | mask
     squares, count = np.zeros(2), 0
-    for recording in recordings.values():
-        counted = evidence.conditions.answered(recording)
-        squares += [left @ left for left in _left(evidence.conditions, trial, recording)]
-        count += int(np.count_nonzero(counted))
+    for recording, mask in looked_at.values():
+        left = list(_left(evidence.conditions, trial, recording, mask))
+        squares += [one @ one for one in left]
+        count += len(left[0])
     return Followed(*np.sqrt(squares / count).tolist())
 
 
-def _left(conditions: Conditions, trial: Trial, recording: Recording) -> Iterator[Array]:
-    """The errors, m, of the counted samples that courses of a drift leave, and of a gain."""
-    counted = conditions.answered(recording)
+def _left(
+    conditions: Conditions, trial: Trial, recording: Recording, mask: Mask
+) -> Iterator[Array]:
+    """The errors, m, of some samples that courses of a drift leave, and of a gain."""
     own = fit_nuisance(trial.model, recording, conditions)
     recording = replace(recording, reading_age=own.reading_age)
-    plain = trial.model.without([DRIFT])
-    answer = response(plain, recording, conditions, own.initial_hysteresis)
-    error = (recording.measured - answer)[counted]
+    plain, h = trial.model.without([DRIFT]), own.initial_hysteresis
+
+    def answers(changes: Mapping[Key, float], h: float) -> Array:
+        return response(plain.with_values(changes), recording, conditions, h)
+
+    answer = answers({}, h)
+    turned = [answers({key: value}, h) for key, value in _changed(plain, trial.free)]
+    if not conditions.knows_initial_hysteresis:
+        turned.append(answers({}, h + STEP * largest_hysteresis(plain, recording)))
+    beside = [courses(plain, recording), *_directions(turned, answer)]
     time = np.asarray(recording.sample_period * np.arange(len(recording)), dtype=np.float64)
     drifts = registry()[DRIFT].courses(trial.model.values(DRIFT), time)
     gains = np.vstack([np.ones_like(answer), drifts]) * answer / np.max(np.abs(answer))
-    others = [courses(plain, recording), *_turns(plain, trial, recording, conditions, own, answer)]
+    counted = mask & conditions.answered(recording)
     for shapes in (drifts, gains):
-        yield Projection.off(np.vstack([*others, shapes])[:, counted])(error)
+        without = Projection.off(np.vstack([*beside, shapes])[:, counted])
+        yield without((recording.measured - answer)[counted])
 
 
-def _turns(
-    plain: Model,
-    trial: Trial,
-    recording: Recording,
-    conditions: Conditions,
-    own: Nuisance,
-    answer: Array,
-) -> Iterator[Array]:
-    """Where the base parameters and an unknown first h take the answer, about 1, shape (n,)."""
-    h = own.initial_hysteresis
-    others = []
-    for link, name in trial.free:
-        value, parameter = plain.value(link, name), registry()[link].parameter(name)
-        changed = parameter.nearest((1.0 - STEP) * value)
-        if registry()[link].nominal and changed != value:
-            model = plain.with_values({(link, name): changed})
-            others.append(response(model, recording, conditions, h))
-    if not conditions.knows_initial_hysteresis:
-        h += STEP * largest_hysteresis(plain, recording)
-        others.append(response(plain, recording, conditions, h))
-    for other in others:
-        turn = other - answer
-        size = float(np.max(np.abs(turn)))
+def _changed(model: Model, free: Sequence[Key]) -> Iterator[tuple[Key, float]]:
+    """The base parameters that a fit may change, each with a value close by."""
+    for link, name in free:
+        value = model.value(link, name)
+        other = registry()[link].parameter(name).nearest((1.0 - STEP) * value)
+        if registry()[link].nominal and other != value:
+            yield (link, name), other
+
+
+def _directions(turned: Sequence[Array], answer: Array) -> Iterator[Array]:
+    """Where changes have taken an answer, of size one; none where they did nothing, or diverged."""
+    for other in turned:
+        size = float(np.max(np.abs(other - answer)))
         if 0.0 < size < np.inf:
-            yield turn / size
+            yield (other - answer) / size
