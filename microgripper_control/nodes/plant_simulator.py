@@ -112,7 +112,10 @@ class PlantSimulator(ManagedShell):
         if self._asked:
             if waited > self.value_of("lockstep_timeout"):
                 sample = self._tick - 1
-                self.fail(f"lockstep: no voltage_command for sample {sample} in {waited:.3g} s")
+                self.fail(
+                    f"lockstep: no voltage_command for sample {sample} in {waited:.3g} s; a run "
+                    "that is to end by itself needs a duration"
+                )
             return
         self._commands.open(if_published=True)
         missing = topics.missing_partners(self, self._samples.states, self.value_of("partners"))
