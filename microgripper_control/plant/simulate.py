@@ -7,6 +7,7 @@ and holds it until t[k+1]. So x[k] answers to u[0..k-1].
 from __future__ import annotations
 
 import enum
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 
@@ -31,6 +32,7 @@ from microgripper_control.plant.model import Model
 
 LONG_REST = 256  # sample periods: a shorter one is simulated as any other
 BLOCK = 16384  # internal steps on the bus at a time: it stays in the cache, whatever the length
+_KEPT = threading.local()
 
 # drive(bus, begin): fill in the voltage of a block that begins at the sample `begin`.
 Drive = Callable[[Array, int], None]
@@ -111,7 +113,7 @@ def sensed(model: Model, name: str, positions: Array, sample_period: float) -> A
 def _run(chain: Chain, drive: Drive, rests: Sequence[slice], positions: Array) -> None:
     """Fill in the positions after each sample period, a block of them at a time."""
     most = max(1, BLOCK // chain.steps)
-    room = np.empty(ROWS * chain.steps * min(most, len(positions)))
+    room = _room(ROWS * chain.steps * min(most, len(positions)))
     for begin, end, resting in _blocks(rests, len(positions), most):
         part = positions[begin:end]
         bus = room[: ROWS * chain.steps * len(part)].reshape(ROWS, -1)
@@ -121,6 +123,16 @@ def _run(chain: Chain, drive: Drive, rests: Sequence[slice], positions: Array) -
         else:
             chain.advance(bus)
         part[:] = bus[POSITION, chain.steps - 1 :: chain.steps]
+
+
+def _room(size: int) -> Array:
+    """Memory for a bus, which a thread keeps: that of a fresh array is given out page by page."""
+    if size > ROWS * BLOCK:
+        return np.empty(size)
+    if not hasattr(_KEPT, "room"):
+        _KEPT.room = np.empty(ROWS * BLOCK)
+    room: Array = _KEPT.room
+    return room[:size]
 
 
 def _rests(voltage: Array) -> list[slice]:
@@ -203,7 +215,9 @@ def _drive(voltage: Array, timing: Timing, hold: Hold, smooth: Course | None) ->
             for step, fraction in enumerate(fractions.tolist()):
                 table[:, step] = smooth.ends(begin, end, fraction)
         elif hold is Hold.FIRST:
-            table[:] = old + fractions * (new - old)
+            np.subtract(new, old, out=table)
+            table *= fractions
+            table += old
         else:
             table[:] = old
 
