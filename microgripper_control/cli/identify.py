@@ -18,10 +18,10 @@ from microgripper_control.cli.options import (
     ModelOption,
     read_all,
     read_model,
+    warn,
     warn_of_scale,
 )
 from microgripper_control.cli.tables import print_table
-from microgripper_control.core.errors import one_line
 from microgripper_control.core.files import check_place
 from microgripper_control.core.recording import refuse_twice
 from microgripper_control.effects.registry import registry
@@ -81,11 +81,9 @@ def _warn_of_misfits(found: Fit) -> None:
         found.recordings, found.rmse, found.relative_rmse, found.white_noise, strict=True
     ):
         if rmse > MISFIT * white and relative > SMALL:
-            typer.echo(
-                f"warning: {one_line(name)}: the model leaves {rmse / white:.1f} times the noise, "
-                "and the intervals hold only if it is right; microgripper diagnose says what is "
-                "missing",
-                err=True,
+            warn(
+                f"{name}: the model leaves {rmse / white:.1f} times the noise, and the intervals "
+                "hold only if it is right; microgripper diagnose says what is missing"
             )
 
 

@@ -50,11 +50,16 @@ def _some(jobs: int) -> int:
     return jobs
 
 
+def warn(text: str) -> None:
+    """Say on standard error, in one line, what is no error but to be known."""
+    typer.echo(f"warning: {one_line(text)}", err=True)
+
+
 def read_model(path: Path) -> Model:
     """Load a model; what to know before it is trusted is said on standard error."""
     model = load_model(path)
     for warning in model.warnings:
-        typer.echo(f"warning: {one_line(warning)}", err=True)
+        warn(warning)
     return model
 
 
@@ -65,7 +70,7 @@ def warn_of_scale(model: Model, recordings: Sequence[Recording], conditions: Con
         with np.errstate(all="ignore"):  # what a damaged file holds may overflow: it is told
             warnings = scale_warnings(model, measured, conditions)
         for warning in warnings:
-            typer.echo(f"warning: {warning}", err=True)
+            warn(warning)
 
 
 def read_all(
@@ -78,6 +83,6 @@ def read_all(
         recording = read_recording(path, mapping, needs_displacement=needs_displacement)
         beyond = model.beyond(recording.voltage)
         for warning in (*recording.warnings, *([beyond] if beyond else [])):
-            typer.echo(f"warning: {one_line(f'{recording.name}: {warning}')}", err=True)
+            warn(f"{recording.name}: {warning}")
         recordings.append(recording)
     return recordings

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from microgripper_control.cli.options import JsonOption
+from microgripper_control.cli.options import JsonOption, warn
 from microgripper_control.cli.stopping import sigterm_as_interrupt
 from microgripper_control.core.errors import one_line
 from microgripper_control.recordings.repair import Repair, repair_bag
@@ -23,7 +23,7 @@ def repair(
     with sigterm_as_interrupt(), Console(stderr=True).status("reading") as status:
         done = repair_bag(bag, status.update)
     for lost in done.lost:
-        typer.echo(f"warning: {one_line(f'{done.bag}: {lost}')}", err=True)
+        warn(f"{done.bag}: {lost}")
     if json_:
         typer.echo(json.dumps(_as_json(done)))
         return

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from microgripper_control.cli.options import JobsOption, JsonOption
+from microgripper_control.cli.options import JobsOption, JsonOption, warn
 from microgripper_control.cli.progress import Show, progress_bar
 from microgripper_control.cli.stopping import sigterm_as_interrupt
 from microgripper_control.cli.tables import print_table
@@ -68,7 +68,7 @@ def validate(
     planned = plan(seed, quick)
     extent = Extent(seed, quick, only, first)
     if extent.caution:
-        typer.echo(f"warning: {extent.caution}", err=True)
+        warn(extent.caution)
     root = make_folder(out)
     with (
         sigterm_as_interrupt(),

@@ -148,7 +148,12 @@ class Recording:
     @property
     def time(self) -> Array:
         """Sampling instants, s, shape (n,)."""
-        return self.start + self.sample_period * np.arange(len(self), dtype=np.float64)
+        return self.start + self.elapsed
+
+    @property
+    def elapsed(self) -> Array:
+        """Since the first sample, s, shape (n,)."""
+        return self.sample_period * np.arange(len(self), dtype=np.float64)
 
     @property
     def duration(self) -> float:

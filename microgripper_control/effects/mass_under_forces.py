@@ -80,14 +80,14 @@ def prepare(values: Values, timing: Timing, levels: Array, loads: Sequence[Load]
 
 def _finer(values: Values, omega: float, loads: Sequence[Load]) -> float:
     """How much finer substeps have to be because forces damp."""
-    most = MOST_DAMPED * values["m"] * omega
-    damping = sum(force.damping(given) for force, given in loads)
-    if damping > most:
+    damping, own = sum(force.damping(given) for force, given in loads), values["m"] * omega
+    if damping > MOST_DAMPED * own:
         raise TooStiffError(
-            f"a force damps by {damping:g} N*s/m; beside these mechanics up to {most:.0f} can be "
-            "followed, and far less keeps them from ringing: lower the damping of friction"
+            f"a force damps by {damping:g} N*s/m; beside these mechanics up to "
+            f"{MOST_DAMPED * own:.0f} can be followed, and far less keeps them from ringing: lower "
+            "the damping of friction"
         )
-    return 1.0 + DAMPED * MOST_DAMPED * damping / most
+    return 1.0 + DAMPED * damping / own
 
 
 def _laws(loads: Sequence[Load]) -> list[Array]:

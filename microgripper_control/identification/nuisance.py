@@ -107,7 +107,7 @@ def own_courses(
 
 
 def _by_link(model: Model, recording: Recording) -> dict[str, Array]:
-    time = np.asarray(recording.sample_period * np.arange(len(recording)), dtype=np.float64)
+    time = recording.elapsed
     return {name: registry()[name].courses(model.values(name), time) for name in model.settings}
 
 

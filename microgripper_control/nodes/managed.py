@@ -6,12 +6,11 @@ import traceback
 from collections.abc import Callable
 
 from lifecycle_msgs.srv import ChangeState
-from rcl_interfaces.srv import ListParameters
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
 from microgripper_control.core.errors import MicrogripperError
-from microgripper_control.nodes.parameters import declare_flag, follow_changes
+from microgripper_control.nodes.parameters import declare_flag, follow_changes, parameter_names
 from microgripper_control.nodes.shell import Shell
 from microgripper_control.nodes.topics import NAMESPACE
 
@@ -58,8 +57,7 @@ class ManagedShell(LifecycleNode, Shell):
 
     def begin(self) -> None:
         """Configure and activate; raises what stands in the way."""
-        names = set(self.list_parameters([], ListParameters.Request.DEPTH_RECURSIVE).names)
-        fixed = names - self.live - {"use_sim_time"}
+        fixed = set(parameter_names(self)) - self.live - {"use_sim_time"}
         follow_changes(self, fixed, self._refuse_if_configured, lambda nothing: None)
         if self._autostart:
             self._starting = True  # who started the node is told, not the log

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
+from rcl_interfaces.srv import ListParameters
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
@@ -18,10 +19,10 @@ from rclpy.parameter import Parameter as RosParameter
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.share import share_folder
-from microgripper_control.nodes.usage import QOS
 
 Checked = TypeVar("Checked")
 
+QOS = "qos_overrides."  # before the names of what ROS 2 declares with each topic
 MODEL_FILE = "apa120s.yaml"
 MODEL_FILE_TEXT = "YAML model: a path, or the name of a file in the package's config folder"
 
@@ -109,6 +110,11 @@ def check_choice(name: str, value: str, choices: Sequence[str]) -> None:
         raise MicrogripperError(f"{name}: {value!r:.60} is none of {', '.join(choices)}")
 
 
+def parameter_names(node: Node) -> list[str]:
+    """The names of all parameters that a node has declared."""
+    return list(node.list_parameters([], ListParameters.Request.DEPTH_RECURSIVE).names)
+
+
 def unknown_parameters(node: Node) -> list[str]:
     """A line for each parameter that was given and is none of the node's: rclpy ignores it."""
     given = node._parameter_overrides  # rclpy has no other list of what was given
@@ -116,8 +122,7 @@ def unknown_parameters(node: Node) -> list[str]:
     for name in sorted(given):
         if node.has_parameter(name) or name.startswith(QOS):
             continue
-        known = node.list_parameters([], 0).names
-        near = get_close_matches(name, known, n=1)
+        near = get_close_matches(name, parameter_names(node), n=1)
         hint = f"did you mean {near[0]}?" if near else "see --help"
         lines.append(f"{name}: there is no such parameter, it is ignored; {hint}")
     return lines

@@ -5,14 +5,15 @@ from __future__ import annotations
 from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.node import Node
 
+from microgripper_control.nodes.parameters import QOS, parameter_names
+
 WORDS = ("-h", "--help")
 SYNTAX = "--ros-args [-p NAME:=VALUE ...] [--params-file FILE] [-r __ns:=/NAMESPACE]"
-QOS = "qos_overrides."  # declared with the topics, and documented by ROS 2
 
 
 def usage(node: Node) -> str:
     """How the node is called and, a line each, its parameters with what they are for."""
-    names = sorted(name for name in node.list_parameters([], 0).names if not name.startswith(QOS))
+    names = sorted(name for name in parameter_names(node) if not name.startswith(QOS))
     lines = [f"usage: {node.get_name()} {SYNTAX}", "", "parameters:"]
     for name in names:
         described, value = node.describe_parameter(name), node.get_parameter(name).value

@@ -75,8 +75,7 @@ def _left(
     if not conditions.knows_initial_hysteresis:
         turned.append(answers({}, h + STEP * largest_hysteresis(plain, recording)))
     beside = [courses(plain, recording), *_directions(turned, answer)]
-    time = np.asarray(recording.sample_period * np.arange(len(recording)), dtype=np.float64)
-    drifts = registry()[DRIFT].courses(trial.model.values(DRIFT), time)
+    drifts = registry()[DRIFT].courses(trial.model.values(DRIFT), recording.elapsed)
     gains = np.vstack([np.ones_like(answer), drifts]) * answer / np.max(np.abs(answer))
     counted = mask & conditions.answered(recording)
     for shapes in (drifts, gains):

@@ -6,8 +6,6 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
-import numpy as np
-
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.data.evidence import Evidence
@@ -99,7 +97,7 @@ def _as_observed(problem: Problem, z: Array, model: Model) -> Model:
     A live simulation needs their sizes; no prediction changes by them.
     """
     recording = problem.recordings[0]
-    time = np.asarray(recording.sample_period * np.arange(len(recording)), dtype=np.float64)
+    time = recording.elapsed
     for name, (weights, _) in own_courses(model, recording, problem.nuisances(z)[0]).items():
         for key, value in registry()[name].observed(model.values(name), weights, time).items():
             inside = registry()[name].parameter(key).nearest(value)

@@ -54,7 +54,7 @@ class Signals:
     def of(cls, rest: Rest, frame: Frame) -> Signals:
         """Of one recording."""
         recording = rest.recording
-        time = recording.sample_period * np.arange(len(recording), dtype=np.float64)
+        time = recording.elapsed
         u = (recording.voltage - frame.voltage[0]) / frame.voltage[1]
         x = (rest.predicted - frame.position[0]) / frame.position[1]
         return cls(u, x, time, recording.sample_period)
