@@ -45,9 +45,12 @@ class ChainInC:
         self._chain.restype = None
         self._given = [np.ascontiguousarray(part, dtype=float) for part in (parameters, step)]
 
-    def simulate(self, voltage: Array) -> Array:
-        """Displacement, m, shape (n,), for a voltage, V, held from sample to sample."""
-        displacement = np.empty_like(voltage)
+    def simulate(self, voltage: Array, displacement: Array) -> Array:
+        """Fill in the displacement, m, shape (n,), for a voltage, V, held from sample to sample.
+
+        The caller keeps the memory: pages that the system gives out anew would cost more than the
+        arithmetic.
+        """
         blocks = (*self._given, voltage, displacement)
         self._chain(*(block.ctypes.data_as(NUMBERS) for block in blocks), len(voltage))
         return displacement

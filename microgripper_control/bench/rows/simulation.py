@@ -55,13 +55,13 @@ def measure(effort: Effort) -> Measured:
         "numpy": "a plain numpy loop",
     }
     pairs = {"solve_ivp": straight, "odeint": straight, "numpy": held}
-    cc, skipped = in_c.compiler(), ""
+    cc, skipped, room = in_c.compiler(), "", np.empty_like(long)
     if cc is None:
         skipped = " No C compiler was found: not compared with C."
     else:
         for name, options in {"C": (), "C, native": ("-march=native",)}.items():
             chain = in_c.ChainInC(effort.folder, cc, bouc_wen_numbers(), step, options)
-            contestants[name] = Contestant(partial(chain.simulate, long), len(long))
+            contestants[name] = Contestant(partial(chain.simulate, long, room), len(long))
             about[name] = f"by hand in C, {' '.join(('-O3', *options))}"
             pairs[name] = held
     times = take_turns(contestants, effort.rounds)
