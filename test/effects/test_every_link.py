@@ -21,7 +21,7 @@ every_link = pytest.mark.parametrize("link", ADDED, ids=lambda link: link.name)
 # Where a parameter matters only if another one, nominally zero, is not.
 SHOWING = {
     "amplifier_lag": {"third": 0.3},
-    "contact": {"relaxing": 0.5},
+    "contact": {"relaxing": 0.5, "adhesion": 0.5},
     "friction": {"distributed": 0.3},
     "restoring_force_hysteresis": {"distributed": 0.5},
     "rate_dependent_hysteresis": {"slope": 3e-8},

@@ -122,12 +122,12 @@ def test_a_soft_object_meets_an_integrator(
     model: Model = request.getfixturevalue(rig)
     values = {"position": POSITION, "stiffness": 0.05 * model.value("second_order", "k")}
     values |= {"relaxing": 1.0, "stiffening": 1.5}
-    values |= {"fastest": 0.5 * relaxation, "slowest": relaxation}
+    values |= {"slowest": relaxation, "decades": np.log10(2.0)}
 
     def force(x: float, v: float, own: Array) -> tuple[float, list[float]]:
         push = values["stiffness"] * max(0.0, x - POSITION)
         slow = 0.5 * (own[0] + own[1])
-        rates = [(push - own[0]) / values["fastest"], (push - own[1]) / values["slowest"]]
+        rates = [(push - own[0]) / (0.5 * relaxation), (push - own[1]) / relaxation]
         return -max(0.0, push + values["stiffening"] * (push - slow)), rates
 
     assert max(agreement(model, LINK, values, force, 2)) < tolerance
@@ -143,8 +143,8 @@ def test_a_soft_object_gives_way_as_a_standard_linear_solid(paper: Model) -> Non
         stiffness=soft,
         relaxing=1.0,
         stiffening=stiffening,
-        fastest=relaxation,
         slowest=relaxation,
+        decades=0.0,
     )
     x = simulate(model, np.full(600, 100.0), 1e-3)
     fast = stiff + soft * (1.0 + stiffening)
@@ -170,13 +170,63 @@ def test_planted_values_of_a_soft_object_are_found(
     paper: Model, lively: Array, recover: Callable[..., tuple[Array, Array]]
 ) -> None:
     truth = {"position": 1.12e-5, "stiffness": 2.7e6, "stiffening": 0.8}
-    truth |= {"fastest": 0.005, "slowest": 0.05}
+    truth |= {"slowest": 0.05, "decades": 0.8}
     rig = paper.with_link(LINK, **truth, relaxing=1.0)
     start = {"position": 1.3e-5, "stiffness": 1e6, "stiffening": 0.3}
-    start |= {"fastest": 0.01, "slowest": 0.03}
+    start |= {"slowest": 0.03, "decades": 0.5}
     found, errors = recover(rig, LINK, start, lively, 1e-3)
     assert np.all(np.abs(found - list(truth.values())) < 4.0 * errors)
     assert np.all(errors < 0.1 * np.array(list(truth.values())))
+
+
+def test_what_sticks_snaps_in_and_lets_go_later(paper: Model) -> None:
+    """Slowly up and down: it pulls from the touch on, on the way back beyond it, and no further."""
+    s, d = paper.values("second_order"), paper.value("bouc_wen", "d")
+    stiff, stiffness, adhesion, reach = s["k"] + s["k_s"], 2e6, 8.0, 4e-7
+    model = linear_rig(paper).with_link(
+        LINK, position=POSITION, stiffness=stiffness, adhesion=adhesion, reach=reach
+    )
+    voltage = 160.0 * np.concatenate([np.linspace(0.0, 1.0, 20_000), np.linspace(1.0, 0.0, 20_000)])
+    x = simulate(model, voltage, 1e-3)
+    push = s["k"] * d * np.append(0.0, voltage[:-1])
+    free, stuck = push / stiff, (push + adhesion + stiffness * POSITION) / (stiff + stiffness)
+    hanging = (push + adhesion) / stiff  # a neck that is whole
+    up, beside, jump = np.arange(len(x)) < 20_000, 2e-8, adhesion / stiff
+    assert np.ptp(x[up & (np.abs(free - POSITION) < beside)]) > jump
+    for part, expected in (
+        (up & (free < POSITION - beside), free),
+        (up & (free > POSITION + beside), stuck),
+        (~up & (stuck > POSITION + beside), stuck),
+        (~up & (hanging < POSITION - beside) & (hanging > POSITION - 0.4 * reach), hanging),
+        (~up & (hanging < POSITION - 1.1 * reach), free),
+    ):
+        assert np.count_nonzero(part) > 50
+        np.testing.assert_allclose(x[part], expected[part], rtol=0.0, atol=0.04 * jump)
+
+
+def test_planted_adhesion_is_found(
+    paper: Model, lively: Array, recover: Callable[..., tuple[Array, Array]]
+) -> None:
+    truth = {"position": 1.12e-5, "stiffness": 2.7e6, "adhesion": 5.0, "reach": 3e-7}
+    start = {"position": 1.2e-5, "stiffness": 1.5e6, "adhesion": 2.0, "reach": 5e-7}
+    rig = paper.with_link(LINK, **truth, exponent=1.5)
+    found, errors = recover(rig, LINK, start, lively, 1e-3)
+    assert np.all(np.abs(found - list(truth.values())) < 4.0 * errors)
+    assert np.all(errors < 0.1 * np.array(list(truth.values())))
+
+
+def test_what_sticks_already_is_not_guessed_to_stick() -> None:
+    scales = Scales(1e-3, 10.0, (0.0, 160.0), 1e3, (0.0, 2e-5), 1e7, 0.0038)
+    link = link_named("contact")
+    nominal = {p.name: p.nominal for p in link.parameters}
+    guesses = link.more(nominal, scales)
+    assert all(guess["adhesion"] > 0.0 for guess in guesses)
+    assert {guess["exponent"] for guess in guesses} == {1.0, 1.5}
+    assert not link.more({**nominal, "adhesion": 1.0}, scales)
+    assert link.says is not None
+    assert "sticks with 8.0 N until 400 nm before" in link.says(
+        {**nominal, "adhesion": 8.0, "reach": 4e-7}, scales
+    )
 
 
 def test_an_object_that_hardly_relaxes_is_not_said_to() -> None:
