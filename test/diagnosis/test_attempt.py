@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -100,6 +101,23 @@ def test_what_a_part_shows_is_fitted_to_all() -> None:
         _, trial, why = attempt(evidence, bases, "contact", Scrutiny(2000, 2, hopeless, left))
         assert trial is not None, why
         assert trial.fitted_rmse < 0.5 * left
+
+
+def test_what_a_base_made_of_the_beginning_does_not_stay() -> None:
+    """A base that did not know the effect made up for it with the h that the recording began with.
+
+    One step from there overshoots: h decays over a few volts.
+    """
+    rig = nominal_model().with_link("contact", position=5e-6, stiffness=5e6)
+    evidence, bases = bases_of(rig)
+    astray = replace(bases[0].trial, initial_hysteresis=(-5e-7,))
+    right = Trial(rig, bases[0].trial.free, (), math.inf)
+    whole = attempts._on_all(evidence, replace(bases[0], trial=astray), [right])
+    assert whole is not None
+    assert whole.free == right.free
+    assert whole.fitted_rmse == pytest.approx(10e-9, rel=0.05)
+    from_rest = 10.0 * rig.value("bouc_wen", "alpha") * rig.value("bouc_wen", "d")  # to 10 V
+    assert whole.initial_hysteresis[0] == pytest.approx(from_rest, abs=1e-8)
 
 
 def test_on_a_part_that_hides_some_of_the_gap_the_same_share_of_it_is_hopeless() -> None:

@@ -44,7 +44,8 @@ FALLEN_SHORT = 1.2  # times what a guess had promised: a fit that leaves more ha
 CLOSE_BEHIND = 1.2  # times what the best kind of a law leaves: another that is fitted on as well
 ROUND_STEPS = 6  # of a round of a longer fit, all derivatives fresh
 CARRIED = 2  # fits of a part of the samples that are tried on all; of an effect that joins, one
-SETTLING_IN = 4  # steps with the same derivatives, from a part of the samples to all of them
+BEGINNING = 8  # steps with nothing but the h that recordings start with,
+SETTLING_IN = 4  # and with the same derivatives, from a part of the samples to all of them
 MISLED = 1.5  # times what is left of a part: if all leave more, as the part shows it, it misleads
 ROUNDS, FALLING = 5, 0.8  # of a long fit, as long as each leaves less than so much of the last
 
@@ -221,10 +222,15 @@ def _carried(
 def _on_all(evidence: Evidence, base: Base, fits: Sequence[Trial]) -> Trial | None:
     """The best on all samples of what was fitted to a part, not fitted on; None if all diverge.
 
-    Recordings start with the h of the base: to look for each takes a dozen simulations.
+    Recordings start with the h of the base, but for what the best of them makes of it: a base may
+    have made up for what it did not know.
     """
     known = base.trial.initial_hysteresis
-    return _least([unfitted(evidence, replace(fit, initial_hysteresis=known)) for fit in fits])
+    best = _least([unfitted(evidence, replace(fit, initial_hysteresis=known)) for fit in fits])
+    if best is None:
+        return None
+    settled = fit_on(evidence, replace(best, free=()), ROUGH, BEGINNING)
+    return replace(settled, free=best.free)
 
 
 def _while_it_falls(evidence: Evidence, trial: Trial, steps: int) -> Trial:
