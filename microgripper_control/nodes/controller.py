@@ -15,6 +15,7 @@ import time
 from collections.abc import Iterable
 from typing import Any
 
+from rclpy.parameter import Parameter as RosParameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
@@ -27,6 +28,7 @@ from microgripper_control.nodes.controller_settings import (
     APPLY_TIMEOUT,
     APPLY_TOLERANCE,
     FEEDBACK_TIMEOUT,
+    GAINS,
     LIVE,
     NAMES,
     ControllerSettings,
@@ -51,7 +53,10 @@ class ControllerNode(ManagedShell):
     def __init__(self) -> None:
         super().__init__("controller")
         controller_settings.declare(self)
-        self._settings = ControllerSettings.of(self._values(NAMES))
+        given = controller_settings.given_gains(self)
+        self._settings = ControllerSettings.of(self._values(NAMES), given)
+        self._showing = False
+        self._show_gains()
         self._controller: Controller | None = None
         self._samples = topics.Newest(self, topics.JOINT_STATES, self._on_sample)
         self._setpoints = {
@@ -67,11 +72,14 @@ class ControllerNode(ManagedShell):
 
     def configure(self) -> None:
         """Compile, then offer the topics."""
-        self._settings = ControllerSettings.of(self._values(NAMES))
+        self._settings = ControllerSettings.of(self._values(NAMES), self._settings.given)
+        self._show_gains()
         self._settings.compile()
         self._controller = self._settings.controller()
-        for warning in load_model(model_path(self.value_of("model_file"))).warnings:
-            self.get_logger().warning(warning)
+        model = load_model(model_path(self.value_of("model_file")))
+        for warning in (*model.warnings, self._settings.warning):
+            if warning:
+                self.get_logger().warning(warning)
         self._output = VoltageOutput(self)
 
     def cleanup(self) -> None:
@@ -198,7 +206,23 @@ class ControllerNode(ManagedShell):
 
     def _checked(self, changes: dict[str, Any]) -> ControllerSettings:
         known = None if "model_file" in changes else self._settings.identified
-        return ControllerSettings.of({**self._values(NAMES), **changes}, known)
+        given = self._settings.given
+        if not self._showing:
+            given |= GAINS & changes.keys()
+        return ControllerSettings.of({**self._values(NAMES), **changes}, given, known)
+
+    def _show_gains(self) -> None:
+        """Have the parameters say which gains are at work, without counting them as given."""
+        at_work = {name: getattr(self._settings.gains, name) for name in GAINS}
+        shown = [
+            RosParameter(name, RosParameter.Type.DOUBLE, gain)
+            for name, gain in at_work.items()
+            if gain != self.value_of(name)
+        ]
+        self._showing = True
+        if shown:
+            self.set_parameters_atomically(shown)
+        self._showing = False
 
     def _apply(self, settings: ControllerSettings) -> None:
         if self._controller is not None:
@@ -206,7 +230,10 @@ class ControllerNode(ManagedShell):
         if self.active and settings.mode is not self._settings.mode:
             self._pairing.forget_setpoint()
             self._statistics.forget_setpoint()
+        if settings.warning and settings.warning != self._settings.warning:
+            self.get_logger().warning(settings.warning)
         self._settings = settings
+        self._show_gains()
 
     @property
     def _setpoint_topic(self) -> str:
@@ -220,7 +247,7 @@ class ControllerNode(ManagedShell):
         if not self._samples.is_open:
             missing = self._missing() or [topics.JOINT_STATES]
             return Health("lockstep: waiting for " + ", ".join(missing))
-        return self._statistics.health(self._controller, elapsed)
+        return self._statistics.health(self._controller, elapsed, self._settings.warning)
 
     def _values(self, names: Iterable[str]) -> dict[str, Any]:
         return {name: self.value_of(name) for name in names}

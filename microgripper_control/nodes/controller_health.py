@@ -52,8 +52,8 @@ class Statistics:
         self._last_setpoint = math.nan
         self._squares, self._compared = 0.0, 0
 
-    def health(self, controller: Controller, elapsed: float) -> Health:
-        """The report, `elapsed` s after the last one."""
+    def health(self, controller: Controller, elapsed: float, standing: str) -> Health:
+        """The report, `elapsed` s after the last one; `standing` is wrong whatever happens."""
         counts = self._counts(controller)
         new = {name: count - self._before.get(name, 0) for name, count in counts.items()}
         self._before = counts
@@ -76,7 +76,7 @@ class Statistics:
         if self._compared and controller.mode is not Mode.OPEN_LOOP:
             values["tracking error rms, m"] = math.sqrt(self._squares / self._compared)
         self._squares, self._compared = 0.0, 0
-        wrong = self._what_is_wrong(new) or next(iter(found), "")
+        wrong = self._what_is_wrong(new) or next(iter(found), standing)
         if self._feedback.lost:
             return Health(f"feedback {self._feedback.state}; safe voltage", Level.ERROR, values)
         if wrong:

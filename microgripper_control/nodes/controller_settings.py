@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 from typing import Any
 
 from rclpy.node import Node
@@ -13,6 +14,7 @@ from microgripper_control.control.feedforward import InverseKind
 from microgripper_control.control.identified import Identified
 from microgripper_control.control.limits import VoltageLimits
 from microgripper_control.control.pid import PidGains
+from microgripper_control.control.tuning import default_gains, loop_margins
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.nodes.parameters import (
@@ -24,6 +26,7 @@ from microgripper_control.nodes.parameters import (
     declare_numbers,
     declare_text,
     declare_texts,
+    given_parameters,
     model_path,
 )
 from microgripper_control.nodes.setpoint_intake import OutOfReach, SetpointIntake, StreamLoss
@@ -71,10 +74,14 @@ LIMITS = {  # parameter of the node -> field of VoltageLimits
     "safe_voltage": "safe",
     "ramp_rate": "ramp_rate",
 }
-GAINS = tuple(parameter.name for parameter in PidGains.parameters())
+GAINS = frozenset(parameter.name for parameter in PidGains.parameters())
+ACTING = ("kp", "ki", "kd")
 ON_MEASUREMENT = "derivative_on_measurement"
 LIVE = frozenset({"mode", "model_file", ON_MEASUREMENT, *GAINS})  # may change while it runs
 NAMES = (*LIVE, *LIMITS, "inverse", SAMPLE_RATE.name)
+# Milliseconds each, in which a running loop would wait: nothing is worked out twice.
+_default_gains = lru_cache(maxsize=1)(default_gains)
+_loop_margins = lru_cache(maxsize=1)(loop_margins)
 
 
 @dataclass(frozen=True)
@@ -87,24 +94,46 @@ class ControllerSettings:
     limits: VoltageLimits
     gains: PidGains
     sample_period: float  # s
+    given: frozenset[str] = GAINS  # the gains that somebody asked for
 
     @classmethod
     def of(
-        cls, values: Mapping[str, Any], identified: Identified | None = None
+        cls,
+        values: Mapping[str, Any],
+        given: frozenset[str],
+        identified: Identified | None = None,
     ) -> ControllerSettings:
-        """Of the values of the parameters NAMES; the model file is read unless it is known."""
+        """Of the values of the parameters NAMES; the model file is read unless it is known.
+
+        Of the gains those `given` count; the others are what suits the model and the sample rate.
+        """
         check_choice("mode", values["mode"], [mode.value for mode in Mode])
         check_choice("inverse", values["inverse"], [kind.value for kind in InverseKind])
+        identified = identified or load_identified(values["model_file"])
+        period = 1.0 / values[SAMPLE_RATE.name]
+        asked = {name: values[name] for name in (*given, ON_MEASUREMENT)}
         settings = cls(
             mode=Mode(values["mode"]),
             inverse=InverseKind(values["inverse"]),
-            identified=identified or load_identified(values["model_file"]),
+            identified=identified,
             limits=VoltageLimits(**{field: values[name] for name, field in LIMITS.items()}),
-            gains=PidGains(**{name: values[name] for name in (*GAINS, ON_MEASUREMENT)}),
-            sample_period=1.0 / values[SAMPLE_RATE.name],
+            gains=_gains(asked, identified, period),
+            sample_period=period,
+            given=given,
         )
         settings.controller()  # checks what only together is wrong
         return settings
+
+    @cached_property
+    def warning(self) -> str:
+        """What is wrong with them and yet allowed; empty if nothing is."""
+        acting = any(getattr(self.gains, name) for name in ACTING)
+        if not acting or self.mode not in (Mode.PID, Mode.CASCADE):
+            return ""
+        if _loop_margins(self.identified, self.gains, self.sample_period).gain > 0.0:
+            return ""
+        gains = ", ".join(f"{name} = {getattr(self.gains, name):g}" for name in ACTING)
+        return f"by the model the loop is unstable with {gains}"
 
     def controller(self) -> Controller:
         """A controller at rest."""
@@ -183,18 +212,27 @@ def make_intake(node: Node) -> SetpointIntake:
     )
 
 
-def _suited(
-    identified: Identified, sample_period: float
-) -> tuple[Controller, MicrogripperError | None]:
-    """A controller with what suits a model; where no gains do, one without, and why."""
+def given_gains(node: Node) -> frozenset[str]:
+    """The gains that whoever started the node has given."""
+    return given_parameters(node) & GAINS
+
+
+def _gains(asked: Mapping[str, Any], identified: Identified, sample_period: float) -> PidGains:
+    """The gains asked for and what suits the model beside them.
+
+    MicrogripperError where no gains suit it and none are asked for.
+    """
     try:
-        return Controller(identified, sample_period), None
-    except MicrogripperError as error:
-        return Controller(identified, sample_period, gains=PidGains(ki=0.0)), error
+        suited = _default_gains(identified, sample_period)
+    except MicrogripperError:
+        if not any(asked.get(name) for name in ACTING):
+            raise
+        suited = PidGains(ki=0.0)
+    return replace(suited, **asked)
 
 
 def _declare_law(node: Node) -> None:
-    """Declare the parameters NAMES; limits and gains not given are those that suit the model."""
+    """Declare the parameters NAMES; limits not given are those that suit the model."""
     mode, kind = Mode.CASCADE, InverseKind.EXACT
     declare_text(
         node, "mode", mode.value, "control law; live", choices=[mode.value for mode in Mode]
@@ -208,20 +246,15 @@ def _declare_law(node: Node) -> None:
     )
     name = declare_text(node, "model_file", MODEL_FILE, f"{MODEL_FILE_TEXT}; live")
     rate = declare_number(node, SAMPLE_RATE)
-    suited, fault = _suited(load_identified(name), 1.0 / rate)
+    usual = Controller(load_identified(name), 1.0 / rate, gains=PidGains()).guard.limits
     limits = {parameter.name: parameter for parameter in VoltageLimits.parameters()}
     for name, field in LIMITS.items():
-        nominal = getattr(suited.guard.limits, field)
+        nominal = getattr(usual, field)
         declare_number(node, replace(limits[field], name=name, nominal=nominal))
-    declare_numbers(
-        node,
-        (replace(gain, nominal=getattr(suited.gains, gain.name)) for gain in PidGains.parameters()),
-    )
-    if fault and not any(node.get_parameter(gain).value for gain in ("kp", "ki", "kd")):
-        raise fault
+    declare_numbers(node, PidGains.parameters())
     declare_flag(
         node,
         ON_MEASUREMENT,
-        suited.gains.derivative_on_measurement,
+        PidGains.derivative_on_measurement,
         "differentiate the displacement, not the error: a step of the setpoint does not kick",
     )

@@ -115,11 +115,15 @@ def parameter_names(node: Node) -> list[str]:
     return list(node.list_parameters([], ListParameters.Request.DEPTH_RECURSIVE).names)
 
 
+def given_parameters(node: Node) -> frozenset[str]:
+    """The names of the parameters that whoever started a node has given, its own or not."""
+    return frozenset(node._parameter_overrides)  # rclpy has no other list of them
+
+
 def unknown_parameters(node: Node) -> list[str]:
     """A line for each parameter that was given and is none of the node's: rclpy ignores it."""
-    given = node._parameter_overrides  # rclpy has no other list of what was given
     lines = []
-    for name in sorted(given):
+    for name in sorted(given_parameters(node)):
         if node.has_parameter(name) or name.startswith(QOS):
             continue
         near = get_close_matches(name, parameter_names(node), n=1)
