@@ -13,9 +13,9 @@ from __future__ import annotations
 import enum
 import math
 
+from microgripper_control.nodes.new_time import NewTime
 from microgripper_control.nodes.silence import Silence
 
-AGREE = 5  # samples in a row that make a new time
 WINDOW = 5.0  # s; the fastest way is looked for in the last one or two of these,
 LONG_PAUSE = 2.0 * WINDOW  # without any sample: it is looked for anew
 
@@ -51,7 +51,7 @@ class FeedbackWatch:
         self._heard = -math.inf  # when it came, s
         self._came = -math.inf  # when the newest sample of all came, s
         self._fastest = _Fastest()
-        self._other = _Other(limit)
+        self._other = NewTime(limit)
 
     @property
     def state(self) -> str:
@@ -139,21 +139,3 @@ class _Fastest:
     @property
     def offset(self) -> float:
         return min(self._before, self._present)
-
-
-class _Other:
-    """Stamps in a row that agree with one another, but not with the time so far."""
-
-    def __init__(self, limit: float) -> None:
-        self._limit = limit
-        self._count = 0
-        self._stamp, self._offset = 0, math.nan
-
-    def forget(self) -> None:
-        self._count = 0
-
-    def agrees(self, stamp: int, offset: float) -> bool:
-        follows = stamp > self._stamp and abs(offset - self._offset) <= self._limit
-        self._count = self._count + 1 if follows else 1
-        self._stamp, self._offset = stamp, offset
-        return self._count >= AGREE

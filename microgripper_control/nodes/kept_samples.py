@@ -8,12 +8,11 @@ from statistics import median
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
 from microgripper_control.core.sliding import Sliding
-from microgripper_control.nodes.pacing import SampleNumber
+from microgripper_control.nodes.pacing import SampleNumber, longest_pause
 from microgripper_control.recordings.clean import cleaned
 from microgripper_control.recordings.clock import on_uniform_clock
 from microgripper_control.recordings.samples import Samples
 
-LONGEST_PAUSE = 1.0  # s, at least 10 samples: what went on in a longer one nobody knows
 FEWEST, MOST = 100, 1000  # newest intervals that tell the rate, whatever was missed meanwhile
 
 
@@ -21,20 +20,25 @@ class KeptSamples:
     """Those of the last `length` s of a clock of `rate`, Hz.
 
     Time that runs backwards and a long pause are new beginnings, counted in `restarts`: what was
-    before is forgotten.
+    before is forgotten. Samples whose stamp is not believed, yet, are left out and `disbelieved`.
     """
 
     def __init__(self, rate: float, length: float) -> None:
         self._rate = rate
         self._length = length
-        self._pause = max(LONGEST_PAUSE, 10.0 / rate)
+        self._pause = longest_pause(rate)
         self._rows = Sliding(round(length * rate) + 1, 3)  # time, s, voltage, displacement
         self._intervals: deque[float] = deque(maxlen=MOST)  # s
         self._first = self._newest = 0  # stamps, ns
-        self._begin(0)
+        self._number = SampleNumber(rate)
         self.count = 0
         self.missing = 0  # ticks of the clock without a sample
-        self.restarts = 0
+        self.restarts = self.disbelieved = 0
+
+    @property
+    def took_it(self) -> bool:
+        """Whether the last sample was kept."""
+        return self._number.believed
 
     @property
     def tick(self) -> int:
@@ -54,6 +58,10 @@ class KeptSamples:
 
     def add(self, stamp: int, voltage: float, displacement: float) -> bool:
         """Keep a sample with its stamp, ns, V and m; whether it is a new beginning."""
+        before, number = self.tick, self._number.of(stamp)
+        if not self.took_it:
+            self.disbelieved += 1
+            return False
         interval = (stamp - self._newest) * 1e-9
         begins = self.count > 0 and not 0.0 <= interval <= self._pause
         if begins:
@@ -62,8 +70,7 @@ class KeptSamples:
             self._begin(stamp)
         else:
             self._intervals.append(interval)
-        before = self.tick
-        self.missing += max(0, self._number.of(stamp) - before - 1)
+            self.missing += max(0, number - before - 1)
         self._newest = stamp
         self.count += 1
         self._rows.append(((stamp - self._first) * 1e-9, voltage, displacement))
@@ -78,6 +85,7 @@ class KeptSamples:
     def _begin(self, stamp: int) -> None:
         self._first = stamp
         self._number = SampleNumber(self._rate)
+        self._number.of(stamp)
         self._rows.clear()
         self._intervals.clear()
 

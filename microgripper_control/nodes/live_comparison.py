@@ -47,7 +47,8 @@ class LiveComparison:
             return
         if self.samples.add(stamp, voltage, displacement):
             self._running.restart()
-        self._running.sample(self.samples.tick, voltage, displacement)
+        if self.samples.took_it:
+            self._running.sample(self.samples.tick, voltage, displacement)
 
     def read(self, ratio: float, least: float, now: float) -> Reading | None:
         """The newest window, judged as `Watch` says; None where there is none."""
@@ -65,6 +66,7 @@ class LiveComparison:
             "samples": samples.count,
             "samples missing": samples.missing,
             "samples unusable": self._unusable,
+            "samples of another time": samples.disbelieved,
             "new beginnings": samples.restarts,
             "kept for a diagnosis, s": samples.duration,
         }

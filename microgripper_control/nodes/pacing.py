@@ -4,6 +4,15 @@ from __future__ import annotations
 
 import math
 
+from microgripper_control.nodes.new_time import NewTime
+
+LONGEST_PAUSE = 1.0  # s, at least 10 samples: what went on in a longer one nobody knows
+
+
+def longest_pause(rate: float) -> float:
+    """Of a clock of `rate`, Hz, s: a stamp further ahead is not believed by itself."""
+    return max(LONGEST_PAUSE, 10.0 / rate)
+
 
 class Pace:
     """Tick k is due at `start` + k `period` (s, of any clock that does not jump).
@@ -31,23 +40,36 @@ class Pace:
 class SampleNumber:
     """Numbers the samples of a clock of `rate` (Hz) by their stamps, from 0 on.
 
-    So a sample that was lost does not shift those after it. Time that runs backwards is a new
-    beginning, counted in `restarts`.
+    So a sample that was lost does not shift those after it. A stamp before the newest, or far ahead
+    of it, is one that was overtaken, or a wild one: it is not `believed` until several in a row
+    agree. Then time goes on from there; behind what was before it is a new beginning, counted in
+    `restarts`. `disbelieved` counts the others.
     """
 
     def __init__(self, rate: float) -> None:
         self._rate = rate
-        self._first: int | None = None  # ns
+        self._pause = longest_pause(rate)
+        self._other = NewTime(self._pause)
+        self._first: int | None = None  # ns, of sample 0
+        self._stamp = self._before = 0  # ns, of the newest that is believed, and of the one before
         self.newest = -1
-        self.restarts = 0
+        self.believed = False  # whether the last stamp was
+        self.restarts = self.disbelieved = 0
 
     def of(self, stamp: int) -> int:
-        """The number of the sample with this stamp, ns."""
+        """The number of the sample with this stamp, ns; the newest one's if it is not believed."""
         if self._first is None:
-            self._first = stamp
-        number = round((stamp - self._first) * 1e-9 * self._rate)
-        if number < self.newest:
+            self._first = self._stamp = self._before = stamp
+        follows = 0.0 <= (stamp - self._stamp) * 1e-9 <= self._pause
+        # No clock to compare with: in lockstep time does not pass as it does here.
+        self.believed = follows or self._other.agrees(stamp, -1e-9 * stamp)
+        if not self.believed:
+            self.disbelieved += 1
+            return self.newest
+        if not follows and stamp <= self._before:  # else it was the newest that was wild
             self.restarts += 1
-            self._first, number = stamp, 0
-        self.newest = number
-        return number
+            self._first = self._other.first
+        self._other.forget()
+        self._before, self._stamp = min(self._stamp, stamp), stamp
+        self.newest = round((stamp - self._first) * 1e-9 * self._rate)
+        return self.newest

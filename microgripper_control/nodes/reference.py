@@ -1,8 +1,9 @@
 """Publishes a setpoint for each sample of the plant, in answer to it.
 
 Sample 0 is the first that comes once the partners get the setpoints; from there on the setpoint for
-a sample follows from its stamp, so that samples which were lost delay nothing. Without samples
-there is nothing to follow, and nothing is published. With `quantity: voltage` the setpoints are
+a sample follows from its stamp, so that samples which were lost delay nothing. A sample that was
+overtaken, or whose stamp is wild, is answered with the setpoint that stands. Without samples there
+is nothing to follow, and nothing is published. With `quantity: voltage` the setpoints are
 volts and go to `voltage_setpoint`, for the controller's mode open_loop.
 """
 
@@ -100,6 +101,8 @@ class Reference(Shell):
             "samples in all": "endless" if self._length is None else self._length,
             "setpoint, m or V": self._setpoint.data,
         }
+        if self._number.disbelieved:
+            values["stamps from another time"] = self._number.disbelieved
         if self._number.restarts:
             values["times the plant's clock ran backwards"] = self._number.restarts
         return Health(

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from microgripper_control.nodes.feedback_watch import AGREE, FeedbackWatch, Verdict
+from microgripper_control.nodes.feedback_watch import FeedbackWatch, Verdict
+from microgripper_control.nodes.new_time import AGREE
 from microgripper_control.nodes.silence import Silence
 
 T = 1e-3

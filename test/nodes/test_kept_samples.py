@@ -5,6 +5,7 @@ import pytest
 
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.nodes.kept_samples import KeptSamples
+from microgripper_control.nodes.new_time import AGREE
 
 PERIOD = 1_000_000  # ns
 START = 1_700_000_000 * 10**9
@@ -42,11 +43,21 @@ def test_missing_samples_are_counted_and_known_in_the_recording() -> None:
 def test_time_that_jumps_is_a_new_beginning(start: int) -> None:
     kept = KeptSamples(1000.0, 10.0)
     add(kept, range(100))
-    assert add(kept, range(50), start) == [True] + 49 * [False]
+    doubted = AGREE - 1
+    assert add(kept, range(50), start) == [*doubted * [False], True, *(49 - doubted) * [False]]
     assert kept.restarts == 1
-    assert kept.missing == 0
-    assert kept.tick == 49
-    assert len(kept.recording()) == 50
+    assert (kept.missing, kept.disbelieved) == (0, doubted)
+    assert kept.tick == 49 - doubted
+    assert len(kept.recording()) == 50 - doubted
+
+
+@pytest.mark.parametrize("wild", [-3_600_000, -2, 3_600_000])
+def test_one_stamp_from_another_time_forgets_nothing(wild: int) -> None:
+    kept = KeptSamples(1000.0, 10.0)
+    ticks = [*range(100), 99 + wild, *range(100, 200)]
+    assert not any(add(kept, ticks))
+    assert (kept.count, kept.missing, kept.restarts, kept.disbelieved) == (200, 0, 0, 1)
+    np.testing.assert_array_equal(kept.recording().voltage, np.arange(200.0))
 
 
 @pytest.mark.parametrize("every", [2, 5])

@@ -9,6 +9,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
 from microgripper_control.control.setpoints import Sine, Triangle
+from microgripper_control.nodes.new_time import AGREE
 
 pytestmark = pytest.mark.ros
 
@@ -41,8 +42,12 @@ def test_a_setpoint_for_each_sample_by_its_stamp(start: Start, watcher: Watcher)
     ticks = [0, 1, 2, 7, 8, 100]
     wanted = Sine(**wave).samples(101, T)[ticks]
     np.testing.assert_array_equal([samples.send(tick) for tick in ticks], wanted)
-    # Time that runs backwards is a new beginning.
-    assert samples.send(3) == wanted[0]
+    # A sample that was overtaken, or from another time, changes nothing.
+    assert [samples.send(tick) for tick in (99, 3_600_000)] == [wanted[-1]] * 2
+    # Time that runs backwards is a new beginning, once several samples agree.
+    again = [samples.send(tick) for tick in range(3, 3 + AGREE + 1)]
+    assert again[: AGREE - 1] == [wanted[-1]] * (AGREE - 1)
+    np.testing.assert_array_equal(again[AGREE - 1 :], Sine(**wave).samples(AGREE + 1, T)[-2:])
     assert node.stop() == 0
 
 
@@ -64,7 +69,9 @@ def test_segments_one_after_the_other_and_the_end(start: Start, watcher: Watcher
         *Triangle(high=5, frequency=50).samples(10, T),
         *Sine(high=80, frequency=100).samples(20, T),
     ]
-    np.testing.assert_array_equal([samples.send(tick) for tick in range(30)], wanted)
+    ticks = [0, 1, 2, 3_600_000, *range(3, 30)]
+    wanted.insert(3, wanted[2])  # a wild stamp does not end it
+    np.testing.assert_array_equal([samples.send(tick) for tick in ticks], wanted)
     assert node.ended() == 0
     assert "30 setpoints" in node.log
 
