@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.diagnosis.answers import answer
 from microgripper_control.diagnosis.answers.answer import Weighed
 from microgripper_control.diagnosis.answers.colour import coloured_noise
 from microgripper_control.diagnosis.answers.comparison import Comparison
+from microgripper_control.diagnosis.answers.driven import most_driven
 from microgripper_control.diagnosis.answers.sentence import sentence
 from microgripper_control.diagnosis.answers.weighing import Facts, weigh
 from microgripper_control.diagnosis.data.evidence import Evidence
@@ -126,7 +127,13 @@ def _diagnosed(
     )
     model = given.model.with_rounding_of(nominal)
     free_form = explainable(left.fitted, left.judging, pool.noise_floor)
-    gap = compared.gap(pool.noise_floor, free_form)
+    driver = most_driven(found)
+    gap = replace(
+        compared.gap(pool.noise_floor, free_form),
+        driver=driver.effect if driver else "",
+        by_driver=driver.share if driver else 0.0,
+        unseen=bool(explored.warnings),
+    )
     where = tuple(locate(left.each_once, pool.noise_floor))
     groups = answer.ambiguous(given.weighed, pool) if given.verdict == EFFECTS else ()
     told = sentence(

@@ -11,6 +11,7 @@ from microgripper_control.identification.nuisance import Conditions, Mask
 from microgripper_control.plant.model import Model, Setting
 
 NONE, PARAMETERS, EFFECTS, UNKNOWN = "none", "parameters", "effects", "unknown"
+EXPLAINABLE = 0.2  # of a gap: less of it, and the voltage is hardly its cause
 
 
 @dataclass(frozen=True)
@@ -65,6 +66,24 @@ class Gap:
     closed_high: float
     free_form: float  # share that a free-form model of the residual could take away
     separate: bool  # judged on recordings of their own, not on blocks held out
+    driver: str = ""  # the effect that alone takes most away and knows the voltage alone,
+    by_driver: float = 0.0  # and its share
+    unseen: bool = False  # what judges held what the fit had not seen at first
+
+    @property
+    def driven(self) -> float:
+        """Share of the removable error that follows from the voltage, at least."""
+        return max(self.free_form, self.by_driver)
+
+    @property
+    def foreign(self) -> bool:
+        """Whether hardly any of it is seen to follow from the voltage."""
+        return self.driven < EXPLAINABLE
+
+    @property
+    def untold(self) -> bool:
+        """Whether that says nothing: what shows once only nobody can have learnt elsewhere."""
+        return self.foreign and self.unseen
 
 
 @dataclass(frozen=True)

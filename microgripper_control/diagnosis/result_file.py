@@ -84,6 +84,7 @@ def _gap(gap: Gap) -> dict[str, Any]:
         "closed_low": gap.closed_low,
         "closed_high": gap.closed_high,
         "free_form_fraction": gap.free_form,
+        "driven_fraction": gap.driven,
         "on": "heldout",
         "heldout": "recordings" if gap.separate else "blocks",
     }

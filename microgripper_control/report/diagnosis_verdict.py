@@ -15,6 +15,7 @@ from microgripper_control.report.wording import (
     nanometres,
     number,
     percent,
+    plain,
     unbroken,
 )
 
@@ -62,11 +63,12 @@ def _claim(diagnosis: Diagnosis) -> Html | None:
         value = percent(gap.closed)
         low, high = (number(100.0 * end, 2) for end in (gap.closed_low, gap.closed_high))
         text = f"of the removable error is gone, 95\u00a0% interval {low} to {high}\u00a0%"
-    elif diagnosis.verdict == UNKNOWN and math.isfinite(gap.free_form):
-        value = percent(gap.free_form)
-        text = (
-            "of the removable error follows from the voltage somehow: a free-form model closes it"
-        )
+    elif diagnosis.verdict == UNKNOWN and math.isfinite(gap.driven) and not gap.untold:
+        value = percent(gap.driven)
+        by = "a free-form model closes it"
+        if gap.by_driver > gap.free_form:
+            by = f"so much goes when {plain(gap.driver)} is added"
+        text = f"of the removable error follows from the voltage somehow: {by}"
     else:
         return None
     return element("p", element("strong", value), f" {text}", class_="claim")

@@ -222,6 +222,9 @@ def test_what_only_the_held_out_recordings_reach_is_named(
     found = diagnose(mistuned(paper), [loops(0.7, 1), loops(1.1, 2)], [loops(4.1, 3)])
     assert (found.verdict, found.effects) == (EFFECTS, ("slew_limit",))
     assert any("only the held-out recordings show the gap" in line for line in found.warnings)
+    assert found.gap.unseen
+    assert found.gap.driver
+    assert found.gap.by_driver == max(c.share for c in found.candidates)
     assert not found.gap.separate
     assert found.gap.augmented < 1.2 * NOISE
 

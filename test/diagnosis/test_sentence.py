@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from microgripper_control.diagnosis.answers.driven import most_driven
 from microgripper_control.diagnosis.answers.sentence import described, sentence
 from microgripper_control.diagnosis.findings import (
     EFFECTS,
@@ -247,3 +248,33 @@ def test_what_does_not_follow_from_the_voltage_is_not_placed_on_it() -> None:
     )
     alone = sentence(UNKNOWN, [], foreign, PAPER, PAPER, [], where[:1], SCALES)
     assert "(noise floor 15 nm). Hardly any" in alone
+
+
+def test_no_disturbance_is_looked_for_where_an_effect_takes_much_away() -> None:
+    gap = Gap(90e-9, 69e-9, 69e-9, 15e-9, 0.0, 0.0, 0.0, 0.05, False, "friction", 0.5)
+    said = sentence(UNKNOWN, [], gap, PAPER, PAPER, [], [], SCALES)
+    assert said.endswith(
+        "Added alone, friction takes 50 % of it away, so as much follows from the voltage, at "
+        "least."
+    )
+    better = sentence(UNKNOWN, [], replace(gap, free_form=0.7), PAPER, PAPER, [], [], SCALES)
+    assert "A free-form model closes 70 % of it" in better
+
+
+def test_of_what_shows_once_nobody_knows_whether_the_voltage_makes_it() -> None:
+    gap = Gap(90e-9, 69e-9, 69e-9, 15e-9, 0.0, 0.0, 0.0, 0.05, False, unseen=True)
+    said = sentence(UNKNOWN, [], gap, PAPER, PAPER, [], [], SCALES)
+    assert "disturbance" not in said
+    assert "Whether it follows from the voltage cannot be told" in said
+
+
+def test_only_what_knows_the_voltage_alone_tells_what_follows_from_it() -> None:
+    shares = {"thermal_drift": 0.9, "creep": 0.8, "sensor_quantization": 0.7, "friction": 0.4}
+    found = [
+        replace(candidate(name, 30e-9), share=share)
+        for name, share in {**shares, "contact": 0.3}.items()
+    ]
+    driver = most_driven([*found, Candidate(UNKNOWN, None, 0.5, 0.5, None)])
+    assert driver is not None
+    assert driver.effect == "friction"
+    assert most_driven([replace(one, share=0.0) for one in found]) is None

@@ -66,6 +66,26 @@ def test_it_reads_in_the_order_of_a_technician(page: Path) -> None:
     assert "contradicts" in text
 
 
+@pytest.mark.parametrize(
+    ("told", "claim"),
+    [
+        ({"free_form": 0.6}, "60 % of the removable error .* a free-form model closes it"),
+        ({"free_form": 0.0, "by_driver": 0.5, "driver": "friction"}, "50 % .* friction is added"),
+        ({"free_form": 0.0, "unseen": True}, ""),
+    ],
+)
+def test_no_more_is_claimed_than_is_known_of_a_gap_that_nothing_explains(
+    told: dict[str, object], claim: str, tmp_path: Path
+) -> None:
+    found = creeping()
+    found = replace(found, verdict=UNKNOWN, effects=(), gap=replace(found.gap, **told))
+    write_diagnosis_report(found, tmp_path / "report.html")
+    text = (tmp_path / "report.html").read_text(encoding="utf-8").replace("\N{NO-BREAK SPACE}", " ")
+    said = [re.sub("<.*?>", "", p) for p in re.findall(r'<p class="claim">(.*?)</p>', text)]
+    assert bool(said) == bool(claim)
+    assert not said or re.search(claim, said[0])
+
+
 def test_no_command_is_told_that_gives_a_part_of_a_recording(tmp_path: Path) -> None:
     found = creeping()
     part = replace(found.judged[0].recording, name="run.csv from 3.9 s", part=True)

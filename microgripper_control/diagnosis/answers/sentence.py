@@ -24,7 +24,6 @@ MOVED = 0.01  # of a parameter: a smaller correction is not spoken of
 MOST_MOVED = 3
 VAGUE = 0.1  # of a value: a wider interval is spoken of
 UNDRIVEN = ("time_s", "frequency_Hz")  # axes along which a disturbance may lie
-EXPLAINABLE = 0.2  # of a gap: less of it, and the voltage is hardly its cause
 
 
 def sentence(
@@ -173,17 +172,26 @@ def _moved(nominal: Model, model: Model) -> str:
 
 def _unexplained(gap: Gap, where: Sequence[Range], floor: str, slow_gain: bool) -> str:
     """A real gap that no candidate explains."""
-    foreign = gap.free_form < EXPLAINABLE
     # Where it lies on an axis that the voltage drives would read as if the voltage were its cause.
-    told = [found for found in where if not foreign or found.axis in UNDRIVEN]
+    told = [found for found in where if not gap.foreign or found.axis in UNDRIVEN]
     lies = f"; {clause(told[0], 'its')}" if told else ""
     if slow_gain:
         cause = (
             "The rig goes farther at some times than at others, as if its gain changed slowly: "
             "look for a supply that sags, a stack that ages, a sensor that warms."
         )
-    elif foreign:
+    elif gap.untold:
+        cause = (
+            "Whether it follows from the voltage cannot be told: it shows where the recordings do "
+            "what they do nowhere else."
+        )
+    elif gap.foreign:
         cause = "Hardly any of it follows from the voltage: look for a disturbance."
+    elif gap.by_driver > gap.free_form:
+        cause = (
+            f"Added alone, {_plain(gap.driver)} takes {percent(gap.by_driver)} of it away, so as "
+            "much follows from the voltage, at least."
+        )
     else:
         cause = (
             f"A free-form model closes {percent(gap.free_form)} of it from the voltage alone, "
