@@ -2,19 +2,11 @@
 
 from __future__ import annotations
 
-import base64
-
 import numpy as np
 import pytest
+from packed_values import unpacked
 
-from microgripper_control.core.signals import Array
 from microgripper_control.report.decimation import LEVELS, extremes, packed, path
-
-
-def unpacked(found: dict[str, object]) -> Array:
-    raw = base64.b64decode(str(found["base64"]))
-    scale = float(str(found["low"])) + float(str(found["step"])) * np.frombuffer(raw, "<u2")
-    return np.power(10.0, scale) if found["log"] else scale
 
 
 def test_a_spike_of_one_sample_stays() -> None:
