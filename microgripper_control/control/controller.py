@@ -143,6 +143,10 @@ class Controller:
         self._law_changed()
         return voltage
 
+    def lose(self, samples: int) -> None:
+        """Say that so many samples were lost since the last step."""
+        self._pid.lose(samples)
+
     def step(self, command: float | None, displacement: float, applied: float) -> float:
         """The voltage u[k+1], V, for what was read at tick k.
 

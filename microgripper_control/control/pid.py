@@ -4,9 +4,10 @@
     I[k] = I[k-1] + ki T e[k]
     D[k] = (Tf D[k-1] + kd (y[k] - y[k-1])) / (Tf + T)
 
-with T the sample period, Tf the filter's time constant and y the error, or minus the measurement so
-that a jump of the setpoint does not kick; all by backward differences. At ki = 0 nothing would ever
-take out what a take-over without a jump has put into I: it fades.
+with T the sample period (in D the time since the last sample: longer where some were lost), Tf the
+filter's time constant and y the error, or minus the measurement so that a jump of the setpoint does
+not kick; all by backward differences. At ki = 0 nothing would ever take out what a take-over
+without a jump has put into I: it fades.
 Source: Astrom and Hagglund, Advanced PID Control, 2006, chapter on implementation.
 
 Anti-windup is conditional integration (same, chapter 3; `conditional_integration` in ros-controls'
@@ -51,6 +52,7 @@ class Pid:
         self._kept = math.exp(-sample_period / FADING)  # of I after a sample, if ki = 0
         self._error = 0.0
         self._signal = math.nan  # y[k-1]; none yet
+        self._lost = 0  # samples since then
         self._derivative = 0.0  # D, V
         self.integral = 0.0  # I, V
         self.output = 0.0  # V, after bounding
@@ -91,6 +93,7 @@ class Pid:
         integral = self._bound(kept * self.integral + g.ki * self._period * error)
         output = g.kp * error + integral + derivative
         if not math.isfinite(output):
+            self.lose(1)
             self.bounded = not low <= self.output <= high
             self.output = min(max(self.output, low), high)
             return self.output
@@ -99,11 +102,15 @@ class Pid:
             integral = max(self.integral, integral - (output - high))
         elif below and integral < self.integral:
             integral = min(self.integral, integral + (low - output))
-        self._error, self._signal = error, signal
+        self._error, self._signal, self._lost = error, signal, 0
         self._derivative, self.integral = derivative, integral
         self.bounded = above or below
         self.output = high if above else low if below else output
         return self.output
+
+    def lose(self, samples: int) -> None:
+        """Say that so many samples did not come: what moved meanwhile did so in their time, too."""
+        self._lost += samples
 
     def join(self, output: float, error: float, measurement: float) -> float:
         """Take over from another controller: set I so that the answer to this sample is `output`.
@@ -115,7 +122,7 @@ class Pid:
             error, self._signal = 0.0, math.nan
         else:
             self._signal = -measurement if self._gains.derivative_on_measurement else error
-        self._error, self._derivative, self.bounded = error, 0.0, False
+        self._error, self._derivative, self._lost, self.bounded = error, 0.0, 0, False
         proportional = self._gains.kp * error
         self.integral = self._bound(output - proportional)
         self.output = proportional + self.integral
@@ -125,9 +132,9 @@ class Pid:
         g = self._gains
         if math.isnan(self._signal):
             return 0.0
-        lag = g.derivative_filter
+        lag, passed = g.derivative_filter, (1 + self._lost) * self._period
         change = g.kd * (signal - self._signal)
-        return self._bound((lag * self._derivative + change) / (lag + self._period))
+        return self._bound((lag * self._derivative + change) / (lag + passed))
 
     def _bound(self, voltage: float) -> float:
         most = self._authority

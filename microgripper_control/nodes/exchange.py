@@ -46,7 +46,9 @@ class Exchange:
         if self._lockstep:
             verdict = self.feedback.take_any(finite)
         else:
+            before = self.feedback.missed
             verdict = self.feedback.take(stamp, finite, now)
+            self._controller.lose(self.feedback.missed - before)
         if verdict is Verdict.UNUSABLE:  # answered with what is known, as long as that is fresh
             return self._started and not self.feedback.lost
         if verdict is not Verdict.FRESH:

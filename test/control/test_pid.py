@@ -49,6 +49,21 @@ def test_a_derivative_on_measurement_opposes_motion() -> None:
     assert pid.step(0.0, 6e-6) == pytest.approx(-2e3 * 1e-6 / T)
 
 
+@pytest.mark.parametrize("lag", [0.0, 0.003])
+@pytest.mark.parametrize("how", ["not finite", "did not come"])
+def test_over_lost_samples_the_derivative_is_what_it_was(how: str, lag: float) -> None:
+    """The mean over the gap: of an even motion the same as before."""
+    pid = Pid(PidGains(kp=0.0, ki=0.0, kd=2e3, derivative_filter=lag), T)
+    answers = [pid.step(0.0, 1e-7 * tick) for tick in range(50)]
+    if how == "did not come":
+        pid.lose(20)
+    else:
+        assert {pid.step(0.0, math.nan) for _ in range(20)} == {answers[-1]}
+    after = [pid.step(0.0, 1e-7 * tick) for tick in range(70, 100)]
+    assert answers[-1] == pytest.approx(-0.2)
+    assert after == pytest.approx(30 * [-0.2])
+
+
 def test_a_bounded_output_does_not_wind_up() -> None:
     pid = Pid(PidGains(kp=1e6, ki=1e9, kd=0.0), T)
     outputs = run(pid, np.full(1000, 5e-6), 0.0, 10.0)
