@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -20,6 +20,7 @@ from microgripper_control.cli.options import (
     ModelOption,
     read_all,
     read_model,
+    warn,
 )
 from microgripper_control.cli.progress import Show, progress_bar
 from microgripper_control.cli.stopping import sigterm_as_interrupt
@@ -43,6 +44,7 @@ from microgripper_control.diagnosis.result_file import (
 from microgripper_control.diagnosis.search.rounds import Progress
 from microgripper_control.diagnosis.search.schedule import cluster
 from microgripper_control.identification.nuisance import Conditions
+from microgripper_control.identification.range_check import range_warnings
 from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model_file import save_model
 from microgripper_control.plant.simulate import Initial
@@ -90,9 +92,12 @@ def diagnose(
     nominal = read_model(model)
     for name in (MODEL, RESULT, REPORT, NEXT_EXPERIMENT):
         check_place(out / name, [model, *recordings, *judging])
-    given, kept_apart = read_all(recordings, nominal, maps), read_all(judging, nominal, maps)
+    given, kept_apart = read_all(recordings, maps), read_all(judging, maps)
     refuse_twice([*given, *kept_apart])
     conditions = Conditions(hold, initial)
+    told = range_warnings(nominal, [*given, *kept_apart])
+    for warning in told:
+        warn(warning)
     with (
         sigterm_as_interrupt(),
         cluster(scheduler),
@@ -105,7 +110,7 @@ def diagnose(
     if json_:
         typer.echo(json.dumps(as_json(found, out), allow_nan=False))
         return
-    show(found, Console(highlight=False, soft_wrap=True))
+    show(found, Console(highlight=False, soft_wrap=True), told)
     more = [NEXT_EXPERIMENT] if found.next_experiment else []
     typer.echo(f"written: {', '.join([str(out / REPORT), RESULT, MODEL, *more])}")
 
@@ -126,10 +131,14 @@ def write_files(found: Diagnosis, folder: Path, maps: Sequence[str] = ()) -> Non
     write_result(found, folder)
 
 
-def show(found: Diagnosis, console: Console) -> None:
-    """Print the verdict, the most probable candidates and where the gap lies."""
+def show(found: Diagnosis, console: Console, told: Collection[str] = ()) -> None:
+    """Print the verdict, the most probable candidates and where the gap lies.
+
+    Not so the warnings that have been `told` already.
+    """
     for warning in found.warnings:
-        console.print(f"warning: {warning}", markup=False)
+        if warning not in told:
+            console.print(f"warning: {warning}", markup=False)
     console.print(found.sentence, markup=False)
     header = ("answer", "stage", "probability", "present", "held-out error")
     print_table(console, header, map(_row, found.candidates[:SHOWN]), texts=(0, 1))

@@ -19,7 +19,7 @@ from microgripper_control.cli.options import (
     read_all,
     read_model,
     warn,
-    warn_of_scale,
+    warn_of_misuse,
 )
 from microgripper_control.cli.tables import print_table
 from microgripper_control.core.files import check_place
@@ -48,16 +48,18 @@ def identify(
     """Fit a model's parameters to recordings; writes them with 95 % intervals."""
     nominal = read_model(model)
     check_place(out, [*recordings, model])
-    given = read_all(recordings, nominal, maps)
+    given = read_all(recordings, maps)
     refuse_twice(given)
     conditions = Conditions(hold, initial)
-    warn_of_scale(nominal, given, conditions)
+    warnings = warn_of_misuse(nominal, given, conditions)
     with Console(stderr=True).status("reading") as status:
         found = fit(nominal, given, conditions, lambda stage: status.update(f"fit: {stage}"))
     save_model(found.model, out)
     _warn_of_misfits(found)
     if json_:
-        typer.echo(json.dumps(as_json(found) | {"fitted": str(out)}, allow_nan=False))
+        typer.echo(
+            json.dumps(as_json(found) | {"warnings": warnings, "fitted": str(out)}, allow_nan=False)
+        )
         return
     console = Console(highlight=False, soft_wrap=True)
     header = ("parameter", "value", "95 % interval", "unit")

@@ -12,6 +12,7 @@ import typer
 from microgripper_control.core.errors import one_line
 from microgripper_control.core.recording import Recording
 from microgripper_control.identification.nuisance import Conditions
+from microgripper_control.identification.range_check import range_warnings
 from microgripper_control.identification.scale_check import scale_warnings
 from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model
@@ -63,26 +64,32 @@ def read_model(path: Path) -> Model:
     return model
 
 
-def warn_of_scale(model: Model, recordings: Sequence[Recording], conditions: Conditions) -> None:
-    """Say on standard error if recordings go another way than the model: a unit may be wrong."""
+def warn_of_misuse(
+    model: Model, recordings: Sequence[Recording], conditions: Conditions
+) -> list[str]:
+    """Say, on standard error too, where a model is not one of these recordings.
+
+    They go beyond its range, or another way than it does: a unit may be wrong.
+    """
+    warnings = range_warnings(model, recordings)
     measured = [one for one in recordings if one.displacement is not None]
     if measured:
         with np.errstate(all="ignore"):  # what a damaged file holds may overflow: it is told
-            warnings = scale_warnings(model, measured, conditions)
-        for warning in warnings:
-            warn(warning)
+            warnings += scale_warnings(model, measured, conditions)
+    for warning in warnings:
+        warn(warning)
+    return warnings
 
 
 def read_all(
-    paths: list[Path], model: Model, maps: list[str] | None, needs_displacement: bool = True
+    paths: list[Path], maps: list[str] | None, needs_displacement: bool = True
 ) -> list[Recording]:
-    """Read recordings; what was mended, or the model does not hold for, goes to standard error."""
+    """Read recordings; what was mended is said on standard error."""
     mapping = Mapping.parse(maps or [])
     recordings = []
     for path in paths:
         recording = read_recording(path, mapping, needs_displacement=needs_displacement)
-        beyond = model.beyond(recording.voltage)
-        for warning in (*recording.warnings, *([beyond] if beyond else [])):
+        for warning in recording.warnings:
             warn(f"{recording.name}: {warning}")
         recordings.append(recording)
     return recordings

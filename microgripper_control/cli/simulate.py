@@ -18,7 +18,7 @@ from microgripper_control.cli.options import (
     ModelOption,
     read_all,
     read_model,
-    warn_of_scale,
+    warn_of_misuse,
 )
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.files import check_place, written_whole
@@ -60,9 +60,9 @@ def simulate(
     """Predict a recording's displacement with a model; one row per sample."""
     rig = read_model(model)
     check_place(out, [recording, model])
-    given = read_all([recording], rig, maps, needs_displacement=False)[0]
+    given = read_all([recording], maps, needs_displacement=False)[0]
     conditions = Conditions(hold, initial)
-    warn_of_scale(rig, [given], conditions)
+    warn_of_misuse(rig, [given], conditions)
     counted = given.explained
     with np.errstate(all="ignore"):  # what a damaged file holds may overflow: it is told
         if given.displacement is not None and nuisance is NuisanceFit.FIT:

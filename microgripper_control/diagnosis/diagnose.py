@@ -43,6 +43,7 @@ from microgripper_control.diagnosis.signs.where import locate
 from microgripper_control.effects.base import no_starts
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.nuisance import Conditions
+from microgripper_control.identification.range_check import range_warnings
 from microgripper_control.identification.scale_check import scale_warnings
 from microgripper_control.plant.model import Model
 
@@ -90,10 +91,11 @@ def diagnose(
     count where an effect is found; where none is, they are a gap that no effect explains. Raises
     MicrogripperError for recordings that tell nothing.
     """
+    beyond = range_warnings(nominal, [*recordings, *heldout])
     pieces = cut_at_gaps(recordings, heldout, conditions or Conditions())
     recordings, heldout, conditions = pieces.recordings, pieces.heldout, pieces.conditions
     alive, alive_heldout = without_dead(recordings), without_dead(heldout)
-    lines = [*pieces.lines, *alive.lines, *alive_heldout.lines]
+    lines = [*beyond, *pieces.lines, *alive.lines, *alive_heldout.lines]
     whole = Evidence.gather(alive.recordings, alive_heldout.recordings, conditions, nominal)
     found = _diagnosed(nominal, whole, lines, progress, jobs, without)
     if found.verdict in (NONE, PARAMETERS) and (alive.left_out or alive_heldout.left_out):

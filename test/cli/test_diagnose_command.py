@@ -91,6 +91,22 @@ def test_a_hold_under_which_the_rig_would_fit_far_better_is_named(
     assert "under --hold zero" in warning
 
 
+def test_a_voltage_beyond_the_model_is_told_on_every_page(
+    microgripper: Run, model: Path, tmp_path: Path
+) -> None:
+    voltage = VOLTAGE + 40.0
+    answer = simulate(nominal_model(), voltage, PERIOD) + noise()
+    path = write(tmp_path / "run.csv", answer, voltage)
+    out = tmp_path / "out"
+    done = microgripper("diagnose", "--model", model, path, *trying("creep"), "--out", out)
+    (warning,) = json.loads((out / "diagnosis.json").read_text())["warnings"]
+    low, high = f"{voltage.min():g}", f"{voltage.max():g}"
+    beyond = f"voltage {low} .. {high} V; the model holds for 0 .. 160 V"
+    assert warning == f"{path}: {beyond}"
+    assert beyond in html.unescape((out / "report.html").read_text())
+    assert (done.err.count(beyond), done.out.count(beyond)) == (1, 0)
+
+
 def test_what_no_effect_that_is_tried_explains_is_unknown(
     microgripper: Run, model: Path, tmp_path: Path
 ) -> None:

@@ -69,6 +69,17 @@ def test_a_wrong_unit_is_asked_about(
         assert "times as far as the model: make sure of the units" in done.err
 
 
+def test_a_voltage_beyond_the_model_is_told_to_machines_too(
+    microgripper: Run, model: Path, tmp_path: Path
+) -> None:
+    voltage = VOLTAGE + 20.0
+    path = write(tmp_path / "run.csv", voltage, simulate(nominal_model(), voltage, PERIOD))
+    done = microgripper("identify", "--model", model, path, "--out", tmp_path / "f.yaml", "--json")
+    (warning,) = json.loads(done.out)["warnings"]
+    assert "the model holds for 0 .. 160 V" in warning
+    assert warning in done.err
+
+
 def test_a_model_that_leaves_more_than_noise_is_told(
     microgripper: Run, model: Path, recording: Path, tmp_path: Path
 ) -> None:
