@@ -158,6 +158,19 @@ def test_contact_and_saturation_have_a_threshold() -> None:
     assert clipped.agrees
 
 
+def test_where_no_threshold_is_told_the_reason_is() -> None:
+    voltage = loops()
+    x = (motion(voltage) / GAIN - 75.0) / 75.0
+    added = {
+        "it may bend, but hardly more sharply than a smooth curve does": np.hypot(x, 0.5),
+        "it changes too little to tell": 0.0 * x,
+    }
+    for reason, residual in added.items():
+        one = said(planted(voltage, 200e-9 * residual))["contact"]
+        assert one.agrees is None
+        assert one.statement.endswith(f"is seen over the displacement: {reason}.")
+
+
 def test_drift_is_slow_and_not_the_voltages() -> None:
     voltage = loops(30000)
     drift = 3e-7 * (1.0 - np.exp(-PERIOD * np.arange(len(voltage)) / 20.0))

@@ -16,7 +16,7 @@ from microgripper_control.diagnosis.data.residuals import Residual, gap_power
 from microgripper_control.diagnosis.findings import Signature
 from microgripper_control.diagnosis.signs.holds import growth_in_holds
 from microgripper_control.diagnosis.signs.lateness import lateness
-from microgripper_control.diagnosis.signs.onset import Onset, find_onset
+from microgripper_control.diagnosis.signs.onset import NoOnset, Onset, find_onset
 from microgripper_control.diagnosis.signs.reversals import after_turns, widths_by_rate
 from microgripper_control.diagnosis.signs.where import AFTER, recent_rate
 from microgripper_control.identification.nuisance import Mask
@@ -97,14 +97,15 @@ def thresholds(residuals: Sequence[Residual], noise: float) -> list[Signature]:
 
 
 def _bend(
-    effect: str, onset: Onset | None, over: str, beyond: str, units: tuple[str, str, float]
+    effect: str, onset: Onset | NoOnset, over: str, beyond: str, units: tuple[str, str, float]
 ) -> Signature:
     """A bend over an axis: `beyond` is what the range above it is called.
 
     `units` are the axis's own, that by which a slope is told, and the latter's size in the former.
     """
-    if onset is None:
-        return Signature(effect, None, f"The residual has no bend over the {over}.")
+    if isinstance(onset, NoOnset):
+        text = f"No threshold of the residual is seen over the {over}: {onset.value}."
+        return Signature(effect, None, text)
     unit, per, size = units
     side = beyond if onset.low == onset.place else "Below"
     slope = f"{quantity(size * onset.slope, 'm')} per {per}"

@@ -8,6 +8,7 @@ which neither a zero nor anything slow can disturb.
 
 from __future__ import annotations
 
+import enum
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -45,6 +46,14 @@ class Onset:
     explained: float  # of the differences' squares
 
 
+class NoOnset(enum.Enum):
+    """Why none is told; that the residual has no bend at all, none of them says."""
+
+    STILL = "it changes too little to tell"
+    UNSURE = "one half of the samples bends elsewhere than the other"
+    SMOOTH = "it may bend, but hardly more sharply than a smooth curve does"
+
+
 @dataclass(frozen=True)
 class _Steps:
     """Differences of residual and signal between pairs of samples."""
@@ -73,44 +82,44 @@ class _Steps:
         return float(rest @ rest), weights
 
 
-def find_onset(residuals: Sequence[Residual], pick: Pick, noise: float) -> Onset | None:
+def find_onset(residuals: Sequence[Residual], pick: Pick, noise: float) -> Onset | NoOnset:
     """The threshold of a signal, `pick(residual)` of shape (n,), if there is one; `noise` in m.
 
     Looked for in all recordings together and, if they do not agree, in each by itself.
     """
     best = _find(residuals, pick, noise)
-    if best is None and len(residuals) > 1:
+    if isinstance(best, NoOnset) and len(residuals) > 1:
         alone = [_find([residual], pick, noise) for residual in residuals]
-        found = [onset for onset in alone if onset is not None]
-        best = max(found, key=lambda onset: onset.explained, default=None)
-    if best is None:
-        return None
+        found = [onset for onset in alone if isinstance(onset, Onset)]
+        best = max(found, key=lambda onset: onset.explained, default=best)
+    if isinstance(best, NoOnset):
+        return best
     signals = [pick(residual) for residual in residuals]
     if best.low == best.place:
         return replace(best, high=max(float(np.max(signal)) for signal in signals))
     return replace(best, low=min(float(np.min(signal)) for signal in signals))
 
 
-def _find(residuals: Sequence[Residual], pick: Pick, noise: float) -> Onset | None:
+def _find(residuals: Sequence[Residual], pick: Pick, noise: float) -> Onset | NoOnset:
     values = np.concatenate([pick(residual)[residual.counted] for residual in residuals])
     low, high = float(np.min(values)), float(np.max(values))
     if high <= low:
-        return None
+        return NoOnset.STILL
     steps = _differences(residuals, pick, low, high)
     floor = 2.0 * noise**2 * len(steps.error)
     squares = float(steps.error @ steps.error) - floor
     if len(steps.error) < FEWEST or squares < REAL * floor:
-        return None
+        return NoOnset.STILL
     places = np.linspace(low + EDGE * (high - low), high - EDGE * (high - low), PLACES)
     place, left = _best(steps, places)
-    halves = [_best(steps.half(which), places)[0] for which in (0, 1)]
-    if max(abs(half - place) for half in halves) > AGREEMENT * (high - low):
-        return None
     line, cubic, quartic = (steps.left(_smooth(steps, degree))[0] - floor for degree in (2, 3, 4))
     explained = (line + floor - left) / squares
     rest = max(left - floor, LEAST * squares)
     if explained < EXPLAINED or cubic < SHARPER * rest or quartic < SHARP * rest:
-        return None
+        return NoOnset.SMOOTH
+    halves = [_best(steps.half(which), places)[0] for which in (0, 1)]
+    if max(abs(half - place) for half in halves) > AGREEMENT * (high - low):
+        return NoOnset.UNSURE
     whole = steps.after - steps.before
     _, (below, change) = steps.left([whole, _hinge(steps, place)])
     beyond = (place, high) if abs(below + change) > abs(below) else (low, place)

@@ -18,7 +18,7 @@ from microgripper_control.diagnosis.data.residuals import REAL, Residual, gap_en
 from microgripper_control.diagnosis.findings import Range
 from microgripper_control.diagnosis.signs.bands import bands
 from microgripper_control.diagnosis.signs.holds import growth_in_holds
-from microgripper_control.diagnosis.signs.onset import Pick, find_onset
+from microgripper_control.diagnosis.signs.onset import NoOnset, Pick, find_onset
 
 BINS = 24
 MOST = 0.6  # of the gap: what a reported range holds at least
@@ -211,7 +211,7 @@ def _bends(residuals: Sequence[Residual], noise: float) -> list[_Found]:
     picks: tuple[tuple[str, Pick], ...] = (("displacement_m", _position), ("voltage_V", _voltage))
     for axis, pick in picks:
         onset = find_onset(residuals, pick, noise)
-        if onset is None:
+        if isinstance(onset, NoOnset):
             continue
         values, power = _powers(pick, residuals, noise)
         inside = (values >= onset.low) & (values <= onset.high)
