@@ -29,8 +29,9 @@ def candidates(diagnosis: Diagnosis) -> Html:
     """Every candidate: the likely ones at sight, the others folded."""
     likely = [c for c in diagnosis.candidates if _likely(c, diagnosis)]
     others = [c for c in diagnosis.candidates if not _likely(c, diagnosis)]
-    failed = sum(c.stage is not None and c.rmse is None for c in others)
-    remark = f"; {failed} of them could not be fitted" if failed else ""
+    unfitted = sum(c.stage is not None and c.rmse is None for c in others)
+    which = "its note" if unfitted == 1 else "their notes"
+    remark = f"; {unfitted} not fitted to all samples: see {which}" if unfitted else ""
     folded = element(
         "details",
         element("summary", f"{len(others)} more that are unlikely{remark}"),

@@ -62,7 +62,7 @@ def test_it_reads_in_the_order_of_a_technician(page: Path) -> None:
     ]
     model = page.parent / "model.yaml"
     assert f"microgripper simulate --model {model} &#x27;first run&#x27; --hold zero" in text
-    assert "1 of them could not be fitted" in text
+    assert "3 more that are unlikely; 1 not fitted to all samples: see its note" in text
     assert "contradicts" in text
 
 
