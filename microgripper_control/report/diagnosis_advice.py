@@ -8,10 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
+from microgripper_control.diagnosis.data.evidence import rms
 from microgripper_control.diagnosis.findings import Diagnosis
 from microgripper_control.diagnosis.result_file import MODEL, NEXT_EXPERIMENT
 from microgripper_control.effects.registry import registry
-from microgripper_control.identification.nuisance import blocks
+from microgripper_control.identification.nuisance import Mask, blocks
 from microgripper_control.plant.model import Key, Model
 from microgripper_control.report.markup import Html, element, joined
 from microgripper_control.report.wording import listed, number, scaled, span
@@ -117,7 +118,7 @@ def repeating(diagnosis: Diagnosis, folder: Path, maps: Sequence[str]) -> Html:
         element(
             "p",
             "Given where the diagnosis was made, each command prints the error of the final model "
-            "on one recording, as it was judged here: the recording's own zero and initial state "
+            f"on one recording{_as_judged(diagnosis)}: the recording's own zero and initial state "
             "are fitted on blocks 1, 3, 5, 7, 9 of ten, the error is taken on the others."
             f"{_if_strips(diagnosis)}{_if_parts(diagnosis)}",
         ),
@@ -132,13 +133,37 @@ def _if_parts(diagnosis: Diagnosis) -> str:
     return ""
 
 
+def _as_judged(diagnosis: Diagnosis) -> str:
+    """What the commands repeat, unless only a part of the samples judged that they count."""
+    return "" if _only_a_part(diagnosis) else ", as it was judged here"
+
+
 def _if_strips(diagnosis: Diagnosis) -> str:
-    """What to know where half of the blocks that judge were fitted, too."""
-    for one in diagnosis.judged:
-        whole = blocks(len(one.recording), odd=False) & one.recording.explained
-        if np.count_nonzero(one.counted) < np.count_nonzero(whole):
-            return " Here half of these was fitted, too, or left out: the error is of the rest."
-    return ""
+    """What to know where half of the blocks that judge were fitted, too: what a command prints."""
+    if not _only_a_part(diagnosis):
+        return ""
+    printed = [
+        f"{1e9 * rms([(one.recording.measured - one.augmented)[counted]]):.1f} nm"
+        for one, counted in zip(diagnosis.judged, _counted_by_a_command(diagnosis), strict=True)
+        if not one.recording.part
+    ]
+    told = f", and over all of them it is {listed(tuple(printed))}" if printed else ""
+    return f" Here half of these was fitted, too, or left out: the error told is of the rest{told}."
+
+
+def _only_a_part(diagnosis: Diagnosis) -> bool:
+    return any(
+        np.count_nonzero(one.counted) < np.count_nonzero(counted)
+        for one, counted in zip(diagnosis.judged, _counted_by_a_command(diagnosis), strict=True)
+    )
+
+
+def _counted_by_a_command(diagnosis: Diagnosis) -> list[Mask]:
+    """The samples of each judging recording on which `simulate` takes its error."""
+    return [
+        blocks(len(one.recording), odd=False) & diagnosis.conditions.answered(one.recording)
+        for one in diagnosis.judged
+    ]
 
 
 def figure(name: str, title: str, caption: str) -> Html:

@@ -57,7 +57,9 @@ def test_a_rate_that_only_what_judges_reaches(when: str, told: str) -> None:
     evidence = gathered(LIMITED, when)
     trial = refit(evidence)
     assert unseen_gap(evidence, trial)
-    assert unseen_warning(evidence, trial).startswith(told)
+    warning = unseen_warning(evidence, trial)
+    assert warning.startswith(told)
+    assert "before any of it was fitted" in warning  # the errors of the result are others
     joined = evidence.joined()
     there = refit(joined)
     assert not unseen_gap(joined, there)

@@ -7,6 +7,7 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from browser import Elements, needs_browser, run, shown
 from diagnoses import creeping, parameters_only
@@ -95,6 +96,23 @@ def test_no_command_is_told_that_gives_a_part_of_a_recording(tmp_path: Path) -> 
     commands = text[text.index("How to repeat it") :]
     assert "run.csv from 3.9 s" not in commands[: commands.index("</section>")]
     assert "cut at long gaps" in commands
+
+
+def test_where_a_part_judged_the_page_says_what_a_command_prints(tmp_path: Path) -> None:
+    found = creeping()
+    strips = np.arange(4000) // 100 % 2 == 0
+    judged = tuple(replace(one, counted=one.counted & strips) for one in found.judged)
+    printed = [
+        f"{1e9 * np.sqrt(np.mean((one.recording.measured - one.augmented)[one.counted] ** 2)):.1f}"
+        for one in found.judged
+    ]
+    whole, part = tmp_path / "whole.html", tmp_path / "part.html"
+    write_diagnosis_report(found, whole)
+    write_diagnosis_report(replace(found, judged=judged), part)
+    assert "as it was judged here" in whole.read_text(encoding="utf-8")
+    told = part.read_text(encoding="utf-8")
+    assert "as it was judged here" not in told
+    assert f"over all of them it is {printed[0]} nm and {printed[1]} nm." in told
 
 
 def test_what_each_effect_accounts_for_is_told_of_several(tmp_path: Path) -> None:

@@ -37,9 +37,9 @@ def unseen_warning(evidence: Evidence, trial: Trial) -> str:
     if evidence.separate:
         whose, part = "recordings", "half of their blocks were"
     return (
-        f"only the held-out {whose} show the gap: {quantity(trial.rmse, 'm')} are left there, "
-        f"{quantity(trial.fitted_rmse, 'm')} in the others; {part} fitted, too, and the other half "
-        "judges"
+        f"only the held-out {whose} show the gap: before any of it was fitted, the best fit left "
+        f"{quantity(trial.rmse, 'm')} there, {quantity(trial.fitted_rmse, 'm')} in the others; "
+        f"{part} fitted, too, and the errors told are of the other half"
     )
 
 
