@@ -59,22 +59,37 @@ class InverseResult:
     fast_errors: Mapping[InverseKind, tuple[float, ...]]  # rms, % of peak to peak, at FAST
 
     @property
-    def crossing(self) -> float:
-        """The sample period, s, below which equation (6) is the better one at `FAST`.
+    def crossings(self) -> tuple[float, ...]:
+        """The sample periods, s, at which the two are as good as each other at `FAST`, rising.
 
-        For all periods below it, that is; read off between two of `fast_periods`, on logarithmic
-        axes.
+        Below the first equation (6) is the better one, and from each to the next the other. Read
+        off between two of `fast_periods`, on logarithmic axes.
         """
         ratio = np.log(
             np.array(self.fast_errors[InverseKind.PAPER])
             / np.array(self.fast_errors[InverseKind.EXACT])
         )[::-1]
         periods = np.log(self.fast_periods[::-1])
-        worse = np.flatnonzero(ratio > 0.0)
-        if not len(worse) or worse[0] == 0:
-            return self.fast_periods[0] if not len(worse) else 0.0
-        near = slice(worse[0] - 1, worse[0] + 1)
-        return float(np.exp(np.interp(0.0, ratio[near], periods[near])))
+        changes = np.flatnonzero(np.diff(ratio > 0.0))
+        shares = ratio[changes] / (ratio[changes] - ratio[changes + 1])
+        found = np.exp(periods[changes] + shares * (periods[changes + 1] - periods[changes]))
+        first = (0.0,) if ratio[0] > 0.0 else ()
+        return (*first, *found.tolist())
+
+    @property
+    def crossing(self) -> float:
+        """The sample period, s, below which equation (6) is the better one throughout."""
+        return self.crossings[0] if self.crossings else self.fast_periods[0]
+
+    @property
+    def _above(self) -> str:
+        """Which is the better one above the first crossing."""
+        if not self.crossings:
+            return ""
+        longest = self.fast_periods[:1] if len(self.crossings) % 2 == 0 else ()
+        again = [f"{1e6 * period:.0f}" for period in (*self.crossings[1:], *longest)]
+        spans = ", ".join(" to ".join(again[at : at + 2]) for at in range(0, len(again), 2))
+        return f"above it the exact inverse{f' but for {spans} µs' if spans else ''}"
 
     def rows(self) -> list[Row]:
         """Table 2 beside fits to simulated data; and what the compensators leave."""
@@ -110,7 +125,7 @@ class InverseResult:
                 f"equation (6) the better one at {FAST:g} Hz for sample periods below",
                 "µs",
                 1e6 * self.crossing,
-                remark="above it the exact inverse",
+                remark=self._above,
                 form=".1f",
             )
         )

@@ -171,7 +171,8 @@ def draw_compensators(result: InverseResult, path: Path) -> None:
             axes.loglog(periods, result.fast_errors[kind], "o-", markersize=4, label=name)
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_formatter("{x:g}")
-        axes.axvline(1e6 * result.crossing, color="#7b8794", linestyle=":")
+        for crossing in result.crossings:
+            axes.axvline(1e6 * crossing, color="#7b8794", linestyle=":")
         axes.legend(loc="lower right")
         label(
             axes,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ import pytest
 from microgripper_control.control.feedforward import InverseKind
 from microgripper_control.control.identified import Identified
 from microgripper_control.paper.experiment import drive, record
-from microgripper_control.paper.inverse import compensation_error
+from microgripper_control.paper.inverse import FAST_PERIODS, InverseResult, compensation_error
 from microgripper_control.paper.inverse_fit import NAMES, fit_inverse
 from microgripper_control.paper.setpoint import Tracking, approached_sine
 from microgripper_control.plant.model import Model
@@ -66,3 +67,28 @@ def test_equation_6_is_the_better_one_where_the_mechanics_is_resolved(
     lag = identified.b / (identified.k + identified.k_s) - fine / 2.0
     swing = 2.0 * np.pi * 1000.0 * lag / (2.0 * np.sqrt(2.0))
     assert exact.rms == pytest.approx(100.0 * swing, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("better", "told"),
+    [
+        ([6], "above it the exact inverse"),
+        ([6, 9, 11], "above it the exact inverse but for 26 to 56 µs"),
+        ([6, 9], "above it the exact inverse but for 26 to 100 µs"),
+        ([], ""),
+    ],
+)
+def test_which_compensator_is_better_is_told_of_all_periods(better: list[int], told: str) -> None:
+    """`better` are the places, from the shortest period on, where the other takes over."""
+    turns = np.isin(np.arange(len(FAST_PERIODS)), better)
+    exact = np.where(np.cumsum(turns) % 2, 0.5, 2.0)[::-1]
+    errors = {
+        InverseKind.PAPER: tuple(np.ones(len(FAST_PERIODS)).tolist()),
+        InverseKind.EXACT: tuple(exact.tolist()),
+    }
+    none: Any = None
+    result = InverseResult(none, none, none, {}, {}, FAST_PERIODS, errors)
+    assert result._above == told
+    assert len(result.crossings) == len(better)
+    if better:
+        assert result.crossing == pytest.approx(10**-5.083, rel=1e-3)  # half way, logarithmically
