@@ -66,7 +66,9 @@ class SampleNumber:
         if not self.believed:
             self.disbelieved += 1
             return self.newest
-        if not follows and stamp <= self._before:  # else it was the newest that was wild
+        first_alone = self.newest == 0  # nobody had agreed with it
+        # Where it lies behind the newest, but not the one before, that one was wild.
+        if not follows and (stamp <= self._before or first_alone):
             self.restarts += 1
             self._first = self._other.first
         self._other.forget()

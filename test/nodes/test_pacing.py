@@ -65,6 +65,12 @@ def test_after_a_long_pause_time_goes_on_where_the_stamps_say() -> None:
     assert number.restarts == 0
 
 
+@pytest.mark.parametrize("wild", [-3_600_000, 3_600_000])
+def test_a_first_stamp_that_was_wild_sets_no_beginning(wild: int) -> None:
+    number = SampleNumber(1000.0)
+    assert numbers(number, (wild, *range(7))) == [0, 0, 0, 0, 0, 4, 5, 6]
+
+
 def test_a_wild_stamp_that_was_believed_is_taken_back() -> None:
     """Half a second ahead may be a loss of samples."""
     number = SampleNumber(1000.0)
