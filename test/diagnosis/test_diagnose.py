@@ -129,7 +129,8 @@ def test_what_is_too_long_to_be_simulated_is_diagnosed_in_pieces(
     monkeypatch.setattr("microgripper_control.diagnosis.data.evidence.MOST_COMPARED", 5_000)
     runs = [record(paper, 24.0, 1), record(paper, 24.0, 2)]
     given, kept = (runs[:1], runs[1:]) if separate else (runs, [])
-    found = diagnose(mistuned(paper), given, kept, without={*candidate_names()} - {"creep"})
+    nominal = replace(mistuned(paper), voltage_range=(-30.0, 170.0))  # all that is driven
+    found = diagnose(nominal, given, kept, without={*candidate_names()} - {"creep"})
     assert (found.verdict, found.effects, found.warnings) == (PARAMETERS, (), ())
     assert [len(one.position) for one in found.judged] == [24_000] * len(kept or runs)
     assert found.gap.refit == pytest.approx(NOISE, rel=0.1)
