@@ -12,6 +12,7 @@ import pytest
 from builtin_interfaces.msg import Time
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from ros_arguments import ros_arguments
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
@@ -100,11 +101,10 @@ def bench(ros: Callable[..., None]) -> Iterator[MAKE]:
     patches = pytest.MonkeyPatch()
 
     def make(**parameters: object) -> Bench:
-        words = [word for pair in parameters.items() for word in ("-p", "{}:={}".format(*pair))]
         for one in made:
             one.node.destroy_node()
         made.clear()
-        ros(*(["--ros-args", *words] if words else []))
+        ros(*ros_arguments(parameters))
         made.append(Bench(patches))
         return made[-1]
 

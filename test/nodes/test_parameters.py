@@ -8,6 +8,7 @@ import pytest
 import rclpy
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
+from ros_arguments import ros_arguments
 
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.parameters import Parameter
@@ -33,8 +34,7 @@ def node(ros: Callable[..., None]) -> Iterator[MakeNode]:
     made: list[Node] = []
 
     def make(**given: str) -> Node:
-        words = [word for item in given.items() for word in ("-p", "{}:={}".format(*item))]
-        ros("--ros-args", *words)
+        ros(*ros_arguments(given))
         made.append(rclpy.create_node("tested"))
         accept_whole_numbers(made[-1])
         return made[-1]

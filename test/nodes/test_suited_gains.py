@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.parameter import Parameter as RosParameter
+from ros_arguments import ros_arguments
 from running_nodes import Start, Watcher
 
 from microgripper_control.control.controller import Controller
@@ -28,8 +29,7 @@ def make(ros: Callable[..., None]) -> Iterator[Make]:
     made: list[ControllerNode] = []
 
     def make(**given: object) -> ControllerNode:
-        words = [word for item in given.items() for word in ("-p", "{}:={}".format(*item))]
-        ros("--ros-args", "-p", "autostart:=false", *words)
+        ros(*ros_arguments({"autostart": "false", **given}))
         node = ControllerNode()
         made.append(node)
         node.begin()

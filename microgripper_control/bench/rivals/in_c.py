@@ -45,7 +45,7 @@ class ChainInC:
         self._chain.restype = None
         self._given = [np.ascontiguousarray(part, dtype=float) for part in (parameters, step)]
 
-    def simulate(self, voltage: Array, displacement: Array) -> Array:
+    def simulate(self, voltage: Array, displacement: Array) -> None:
         """Fill in the displacement, m, shape (n,), for a voltage, V, held from sample to sample.
 
         The caller keeps the memory: pages that the system gives out anew would cost more than the
@@ -53,4 +53,3 @@ class ChainInC:
         """
         blocks = (*self._given, voltage, displacement)
         self._chain(*(block.ctypes.data_as(NUMBERS) for block in blocks), len(voltage))
-        return displacement
