@@ -18,6 +18,7 @@ from microgripper_control.cli.paper import paper
 from microgripper_control.cli.repair import repair
 from microgripper_control.cli.simulate import simulate
 from microgripper_control.cli.stiffness import stiffness
+from microgripper_control.cli.tune import tune
 from microgripper_control.cli.validate import validate
 from microgripper_control.core.errors import MicrogripperError, one_line
 
@@ -27,7 +28,19 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-COMMANDS = (identify, simulate, diagnose, effects, validate, stiffness, repair, paper, demo, bench)
+COMMANDS = (
+    identify,
+    simulate,
+    diagnose,
+    tune,
+    effects,
+    validate,
+    stiffness,
+    repair,
+    paper,
+    demo,
+    bench,
+)
 for command in COMMANDS:
     app.command(no_args_is_help=command not in (demo, effects))(command)
 

@@ -12,6 +12,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.effects.base import Link, Values
@@ -20,6 +21,21 @@ from microgripper_control.effects.material.bouc_wen import advance
 from microgripper_control.effects.mechanics import second_order
 
 CYCLES_TO_SETTLE = 20  # between the voltage limits, until the loop closes
+
+
+class Known(Protocol):
+    """What a model tells a controller of its rig; V, s and s."""
+
+    @property
+    def voltage_range(self) -> tuple[float, float]: ...  # noqa: D102 (as Identified has them)
+
+    @property
+    def dead_time(self) -> float: ...  # noqa: D102
+
+    @property
+    def ringing(self) -> float: ...  # noqa: D102
+
+    def values(self, link: str) -> Values: ...  # noqa: D102
 
 
 @dataclass(frozen=True)
@@ -54,6 +70,14 @@ class Identified:
         for name, time in ("dead time", self.dead_time), ("ringing", self.ringing):
             if not (math.isfinite(time) and time >= 0.0):
                 raise MicrogripperError(f"identified: {name} {time:g} s: must be 0 or more")
+
+    @classmethod
+    def of(cls, model: Known) -> Identified:
+        """What a controller needs of a model, its delays, lags and modes too."""
+        material, mechanics = model.values("bouc_wen"), model.values("second_order")
+        return cls.from_values(
+            material, mechanics, model.voltage_range, model.dead_time, model.ringing
+        )
 
     @classmethod
     def from_values(

@@ -15,7 +15,10 @@ and the delays are known to a tick only.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +39,7 @@ LEAST_PHASE_MARGIN = 45.0  # degrees
 MOST_REDUCTIONS = 150  # of the gain, to 1e-7 of the rule's
 WHOLE = 1e-6  # of a tick: a dead time that is so little longer is none longer
 FREQUENCIES = 20_000  # from zero to half the sampling rate,
+ACTING = ("kp", "ki", "kd")  # the gains of which one at least must be there
 FINER = 8  # or so many for each tick of dead time: the loop turns by half a circle with each
 
 
@@ -45,8 +49,10 @@ class Margins:
 
     gain: float  # factor
     phase: float  # degrees
+    crossover: float  # rad/s: where |L| = 1 with that phase; 0 if nowhere
 
 
+@lru_cache(maxsize=1)  # it takes milliseconds, in which a running loop would wait
 def default_gains(identified: Identified, sample_period: float) -> PidGains:
     """Integral gain by the SIMC rule, lowered until the margins hold.
 
@@ -69,6 +75,20 @@ def default_gains(identified: Identified, sample_period: float) -> PidGains:
         f"identified: second_order: b = {identified.b:g} N*s/m: no integral gain keeps the "
         "margins; give gains"
     )
+
+
+def gains_for(identified: Identified, sample_period: float, asked: Mapping[str, Any]) -> PidGains:
+    """The gains asked for, fields of PidGains by name, and beside them what suits the plant.
+
+    Raises MicrogripperError for a gain out of range, or where none suit and none are asked for.
+    """
+    try:
+        suited = default_gains(identified, sample_period)
+    except MicrogripperError:
+        if not any(asked.get(name) for name in ACTING):
+            raise
+        suited = PidGains(ki=0.0)
+    return replace(suited, **asked)
 
 
 def _enough(margins: Margins, raised: float) -> bool:
@@ -94,9 +114,10 @@ def loop_margins(
     above = plant_factor * np.polyval(numerator, z)
     below = np.polyval(denominator, z) * np.exp(1j * ticks * frequency)
     if not _all_inside(above + below, len(denominator) - 1 + ticks):
-        return Margins(0.0, 0.0)
+        return Margins(0.0, 0.0, 0.0)
     loop = above[1:] / below[1:]
-    return Margins(_gain_margin(loop), _phase_margin(loop))
+    phase, crossover = _phase_margin(loop, frequency[1:] / sample_period)
+    return Margins(_gain_margin(loop), phase, crossover)
 
 
 def _all_inside(values: NDArray[np.complex128], degree: int) -> bool:
@@ -144,7 +165,7 @@ def _sampled_mechanics(v: Identified, sample_period: float) -> tuple[Array, Arra
     return np.array([p, b * q - d * p]), np.array([1.0, -(a + d), a * d - b * c])
 
 
-def _gain_margin(loop: Array) -> float:
+def _gain_margin(loop: NDArray[np.complex128]) -> float:
     """1/|L| where L crosses the negative real axis inside the unit circle, the smallest."""
     before, after = loop[:-1], loop[1:]
     crosses = np.signbit(before.imag) != np.signbit(after.imag)
@@ -155,10 +176,14 @@ def _gain_margin(loop: Array) -> float:
     return float(1.0 / -real.min()) if len(real) else math.inf
 
 
-def _phase_margin(loop: Array) -> float:
-    """Angle between L and the negative real axis, degrees, where |L| = 1, the smallest."""
+def _phase_margin(loop: NDArray[np.complex128], frequency: Array) -> tuple[float, float]:
+    """Angle between L and the negative real axis, degrees, where |L| = 1, the smallest; where."""
     size = np.abs(loop)
     at = np.flatnonzero((size[:-1] > 1.0) != (size[1:] > 1.0))
+    if not len(at):
+        return math.inf, 0.0
     share = np.log(size[at]) / np.log(size[at] / size[at + 1])
-    crossing = loop[at] + share * (loop[at + 1] - loop[at])
-    return float(np.degrees(np.abs(np.angle(-crossing))).min()) if len(at) else math.inf
+    angle = np.degrees(np.abs(np.angle(-(loop[at] + share * (loop[at + 1] - loop[at])))))
+    crossing = frequency[at] + share * (frequency[at + 1] - frequency[at])
+    least = int(np.argmin(angle))
+    return float(angle[least]), float(crossing[least])

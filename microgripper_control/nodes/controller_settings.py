@@ -14,8 +14,7 @@ from microgripper_control.control.feedforward import InverseKind
 from microgripper_control.control.identified import Identified
 from microgripper_control.control.limits import VoltageLimits
 from microgripper_control.control.pid import PidGains
-from microgripper_control.control.tuning import default_gains, loop_margins
-from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.control.tuning import ACTING, gains_for, loop_margins
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.nodes.parameters import (
     MODEL_FILE,
@@ -75,13 +74,10 @@ LIMITS = {  # parameter of the node -> field of VoltageLimits
     "ramp_rate": "ramp_rate",
 }
 GAINS = frozenset(parameter.name for parameter in PidGains.parameters())
-ACTING = ("kp", "ki", "kd")
 ON_MEASUREMENT = "derivative_on_measurement"
 LIVE = frozenset({"mode", "model_file", ON_MEASUREMENT, *GAINS})  # may change while it runs
 NAMES = (*LIVE, *LIMITS, "inverse", SAMPLE_RATE.name)
-# Milliseconds each, in which a running loop would wait: nothing is worked out twice.
-_default_gains = lru_cache(maxsize=1)(default_gains)
-_loop_margins = lru_cache(maxsize=1)(loop_margins)
+_loop_margins = lru_cache(maxsize=1)(loop_margins)  # milliseconds, in which a loop would wait
 
 
 @dataclass(frozen=True)
@@ -117,7 +113,7 @@ class ControllerSettings:
             inverse=InverseKind(values["inverse"]),
             identified=identified,
             limits=VoltageLimits(**{field: values[name] for name, field in LIMITS.items()}),
-            gains=_gains(asked, identified, period),
+            gains=gains_for(identified, period, asked),
             sample_period=period,
             given=given,
         )
@@ -164,12 +160,8 @@ class ControllerSettings:
 
 
 def load_identified(model_file: str) -> Identified:
-    """The values that a controller needs of the model in a file, its delays, lags and modes too."""
-    model = load_model(model_path(model_file))
-    material, mechanics = model.values("bouc_wen"), model.values("second_order")
-    return Identified.from_values(
-        material, mechanics, model.voltage_range, model.dead_time, model.ringing
-    )
+    """The values that a controller needs of the model in a file."""
+    return Identified.of(load_model(model_path(model_file)))
 
 
 def declare(node: Node) -> None:
@@ -215,20 +207,6 @@ def make_intake(node: Node) -> SetpointIntake:
 def given_gains(node: Node) -> frozenset[str]:
     """The gains that whoever started the node has given."""
     return given_parameters(node) & GAINS
-
-
-def _gains(asked: Mapping[str, Any], identified: Identified, sample_period: float) -> PidGains:
-    """The gains asked for and what suits the model beside them.
-
-    MicrogripperError where no gains suit it and none are asked for.
-    """
-    try:
-        suited = _default_gains(identified, sample_period)
-    except MicrogripperError:
-        if not any(asked.get(name) for name in ACTING):
-            raise
-        suited = PidGains(ki=0.0)
-    return replace(suited, **asked)
 
 
 def _declare_law(node: Node) -> None:

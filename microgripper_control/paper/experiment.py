@@ -65,6 +65,4 @@ def hysteresis(model: Model, voltage: Array) -> Array:
 
 def identified_from(model: Model) -> Identified:
     """The model's values as a controller holds them."""
-    return Identified.from_values(
-        model.values("bouc_wen"), model.values("second_order"), model.voltage_range
-    )
+    return Identified.of(model)

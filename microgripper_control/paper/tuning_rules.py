@@ -18,7 +18,7 @@ from microgripper_control.control.tuning import Margins
 from microgripper_control.core.signals import Array
 from microgripper_control.paper.linear_plant import state_space
 
-UNSTABLE = Margins(0.0, 0.0)
+UNSTABLE = Margins(0.0, 0.0, 0.0)
 GRID = 600  # frequencies up to half the sampling rate
 LOWEST = 1e-2  # rad/s
 
@@ -57,8 +57,7 @@ def sampled_margins(loop: control.StateSpace, gains: PidGains) -> Margins:
     opened = control.series(controller_in_z(gains, period), loop)
     if np.any(np.abs(control.feedback(opened, 1).poles()) >= 1.0):
         return UNSTABLE
-    gain, phase, *_ = control.stability_margins(_response(opened))
-    return Margins(float(gain), float(phase))
+    return _margins(*control.stability_margins(_response(opened)))
 
 
 def continuous_margins(plant: control.StateSpace, gains: PidGains) -> Margins:
@@ -67,8 +66,13 @@ def continuous_margins(plant: control.StateSpace, gains: PidGains) -> Margins:
     opened = pid * control.tf(plant)
     if np.any(control.feedback(opened, 1).poles().real >= 0.0):
         return UNSTABLE
-    gain, phase, *_ = control.stability_margins(opened)
-    return Margins(float(gain), float(phase))
+    return _margins(*control.stability_margins(opened))
+
+
+def _margins(gain: float, phase: float, *others: float) -> Margins:
+    """Of what python-control tells: NaN is a frequency that there is not."""
+    _, _, crossover, _ = others
+    return Margins(float(gain), float(phase), float(np.nan_to_num(crossover)))
 
 
 def reaction_curve_gains(time: Array, response: Array) -> PidGains:

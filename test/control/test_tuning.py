@@ -14,7 +14,7 @@ from scipy.signal import cont2discrete
 from microgripper_control.control.controller import Controller, Mode
 from microgripper_control.control.identified import Identified
 from microgripper_control.control.pid import Pid, PidGains
-from microgripper_control.control.tuning import _loop, default_gains, loop_margins
+from microgripper_control.control.tuning import Margins, _loop, default_gains, loop_margins
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.signals import Array
 from microgripper_control.effects.registry import registry
@@ -34,6 +34,7 @@ def test_margins_of_integral_action_on_a_settled_plant_have_a_closed_form(
         assert margins.gain == pytest.approx(1.0 / g, rel=1e-5)
         phase = 90.0 - math.degrees(3.0 * math.asin(0.5 * g))
         assert margins.phase == pytest.approx(phase, abs=1e-3)
+        assert margins.crossover == pytest.approx(2.0 * math.asin(0.5 * g) / T, rel=1e-5)
 
 
 @pytest.mark.parametrize("ticks", [1, 3, 20])
@@ -73,9 +74,7 @@ def test_a_rig_that_answers_late_is_not_driven_into_swinging(rate: float) -> Non
     """The maker's figures: a sensor that lags by 2.7 ms, and a resonance at 1.3 kHz."""
     rig = load_model(DATASHEET)
     assert rig.dead_time > 2e-3
-    values = Identified.from_values(
-        rig.values("bouc_wen"), rig.values("second_order"), rig.voltage_range, rig.dead_time
-    )
+    values = replace(Identified.of(rig), ringing=0.0)
     gains = default_gains(values, 1.0 / rate)
     x = _step_response(rig, gains, 1.0 / rate, int(rate))
     assert np.ptp(x[-int(rate / 4) :]) < 0.02e-6
@@ -90,7 +89,7 @@ def test_margins_of_proportional_action_on_a_settled_plant_have_a_closed_form(
     for p in (0.25, 0.8):
         margins = loop_margins(identified, PidGains(kp=p / identified.gain, ki=0.0), T)
         assert margins.gain == pytest.approx(1.0 / p, rel=1e-5)
-        assert margins.phase == math.inf
+        assert (margins.phase, margins.crossover) == (math.inf, 0.0)
 
 
 @pytest.mark.parametrize(
@@ -129,7 +128,7 @@ def _step_response(model: Model, gains: PidGains, sample_period: float, count: i
 
 def test_an_unstable_loop_has_no_margin(identified: Identified) -> None:
     margins = loop_margins(identified, PidGains(ki=1.1 / (identified.gain * T)), T)
-    assert (margins.gain, margins.phase) == (0.0, 0.0)
+    assert margins == Margins(0.0, 0.0, 0.0)
 
 
 @pytest.mark.parametrize("sample_period", [1e-2, 1e-3, 2e-4, 5e-5])

@@ -64,6 +64,7 @@ def test_margins_agree_with_the_controllers_own(
     own = loop_margins(identified, chosen, T)
     assert found.gain == pytest.approx(own.gain, rel=1e-3)
     assert found.phase == pytest.approx(own.phase, rel=1e-3)
+    assert found.crossover == pytest.approx(own.crossover, rel=1e-3)
 
 
 def test_the_loop_is_stable_up_to_its_gain_margin(identified: Identified) -> None:

@@ -56,10 +56,8 @@ def measure(effort: Effort) -> Measured:
 def in_process(effort: Effort) -> Array:
     """Simulated time over time spent, of the plant and the cascade in a Python loop, by rounds."""
     model = nominal_model()
-    material, mechanics = model.values("bouc_wen"), model.values("second_order")
-    identified = Identified.from_values(material, mechanics, model.voltage_range)
     simulated = Rig(model, rig.SAMPLE_PERIOD)
-    controller = Controller(identified, rig.SAMPLE_PERIOD)
+    controller = Controller(Identified.of(model), rig.SAMPLE_PERIOD)
     controller.start(0.0)
     setpoints = (1e-7 * rig.voltage(TICKS)).tolist()
 
