@@ -11,8 +11,8 @@ import pytest
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.diagnosis.data.evidence import Evidence
-from microgripper_control.diagnosis.fits.fitting import Base, base_of
-from microgripper_control.diagnosis.fits.trial import Trial
+from microgripper_control.diagnosis.fits.fitting import Base, base_of, begun, extend
+from microgripper_control.diagnosis.fits.trial import Trial, unfitted
 from microgripper_control.diagnosis.search import attempt as attempts
 from microgripper_control.diagnosis.search.attempt import (
     Scrutiny,
@@ -101,6 +101,35 @@ def test_what_a_part_shows_is_fitted_to_all() -> None:
         _, trial, why = attempt(evidence, bases, "contact", Scrutiny(2000, 2, hopeless, left))
         assert trial is not None, why
         assert trial.fitted_rmse < 0.5 * left
+
+
+@pytest.mark.parametrize("went_astray", [True, False])
+def test_what_joins_and_is_misled_by_a_part_begins_anew_on_all(
+    went_astray: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Stretches do not show what creeps across them: beside friction it left twice the gap."""
+    rig = nominal_model().with_link("creep").with_link("contact", position=5e-6, stiffness=5e6)
+    evidence, (refit,) = bases_of(rig)
+    crept = refit.trial.model.with_link("creep", **rig.values("creep"))
+    base = base_of(evidence, unfitted(evidence, begun(refit, crept, ["creep"])))
+    left = base.trial.fitted_rmse
+    fits: list[int] = []
+
+    def astray(evidence: Evidence, base: Base, *_: object) -> Trial:
+        return replace(base.trial, fitted_rmse=5.0 * left)
+
+    def counted(evidence: Evidence, *given: Any) -> Trial | None:  # noqa: ANN401
+        fits.append(sum(map(np.count_nonzero, evidence.used)))
+        return extend(evidence, *given)
+
+    if went_astray:
+        monkeypatch.setattr(attempts, "_carried", astray)
+    monkeypatch.setattr(attempts, "extend", counted)
+    _, trial, why = attempt(evidence, [base], "contact", Scrutiny(2000, 2, 2.0 * left, left))
+    assert trial is not None, why
+    assert trial.fitted_rmse < 0.5 * left
+    everything = sum(map(np.count_nonzero, evidence.used))
+    assert fits.count(everything) == went_astray
 
 
 def test_what_a_base_made_of_the_beginning_does_not_stay() -> None:

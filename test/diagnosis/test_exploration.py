@@ -78,6 +78,7 @@ def exchanged(
     pool: Any = SimpleNamespace(
         evidence=EVIDENCE,
         tried=tried,
+        may_gain=lambda kept, name: frozenset(kept.effects) | {name} not in tried,
         closed=lambda trial: closed[trial.effects],
         leaves_a_rest=lambda trial: rest,
         best=lambda size, count: sorted(
@@ -209,6 +210,7 @@ def test_beside_a_force_that_takes_long_few_are_tried_unless_it_leaves_much(
     pool: Any = SimpleNamespace(
         evidence=EVIDENCE,
         tried={frozenset(trial.effects): trial for trial in (friction, *others)},
+        may_gain=lambda kept, name: name not in kept.effects,
         closed=lambda trial: closed,
         best=lambda size, count: [friction, *others],
         add=lambda trial: None,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -13,7 +14,7 @@ from microgripper_control.diagnosis.fits.fitting import base_of, begun
 from microgripper_control.diagnosis.fits.trial import with_guess
 from microgripper_control.diagnosis.search import superposition
 from microgripper_control.diagnosis.search.finishing import POLISHED, refined
-from microgripper_control.diagnosis.search.pool import Pool
+from microgripper_control.diagnosis.search.pool import Pool, strongest
 from microgripper_control.diagnosis.search.superposition import add_superposed, alike, superposed
 from microgripper_control.effects.registry import registry
 from microgripper_control.plant.model import Model, nominal_model
@@ -60,6 +61,38 @@ def test_the_two_at_work_promise_most_and_are_tried() -> None:
     add_superposed(ALONE, pool, jobs=1)
     assert pool.leader is pool.tried[frozenset(TRUE)]
     assert pool.leader.rmse < 1.5 * NOISE
+
+
+def test_a_pair_that_went_astray_is_tried_from_the_other_side() -> None:
+    """What explains more alone has bent its own parameters to the other's part of the gap."""
+    rig = nominal_model()
+    for name, values in TRUE.items():
+        rig = rig.with_link(name, **values)
+    pool = tried_alone(rig)
+    stronger, weaker = (pool.tried[frozenset([name])] for name in strongest(TRUE, pool))
+    first, second = stronger.effects[0], weaker.effects[0]
+    both = replace(stronger, model=stronger.model.with_link(second, **weaker.model.values(second)))
+    pool.tried[frozenset(TRUE)] = replace(both, fitted_rmse=1.1 * stronger.fitted_rmse)
+    assert pool.may_gain(stronger, second)
+    assert pool.may_gain(weaker, first)
+    pool.joined.add((frozenset([first]), second))
+    assert not pool.may_gain(stronger, second)
+    add_superposed(ALONE, pool, jobs=1)
+    assert (frozenset([second]), first) in pool.joined
+    assert pool.tried[frozenset(TRUE)].rmse < 1.5 * NOISE
+
+
+def test_a_pair_that_leaves_less_than_either_is_not_tried_again() -> None:
+    pool = tried_alone(nominal_model().with_link("creep", **TRUE["creep"]))
+    creep = pool.tried[frozenset(["creep"])]
+    model = creep.model.with_link("extra_resonance")
+    pair = replace(creep, model=model, fitted_rmse=0.9 * creep.fitted_rmse)
+    assert pool.may_gain(creep, "extra_resonance")
+    pool.tried[frozenset(TRUE)] = pair
+    assert not pool.may_gain(creep, "extra_resonance")
+    assert not pool.may_gain(pool.tried[frozenset(["extra_resonance"])], "creep")
+    assert not pool.may_gain(creep, "creep")
+    assert pool.may_gain(pair, "backlash")
 
 
 def test_where_one_effect_leaves_noise_no_two_are_tried() -> None:

@@ -104,29 +104,42 @@ def _attempt(
     part, anchors = on_a_part(evidence, bases, name, scrutiny.samples)
     shown = rms([anchors[0].residual])
     scrutiny = scrutiny.where_shown(bases[0].trial.fitted_rmse, shown)
-    found = _from_all_starts(part, anchors, name, scrutiny)
+    starts = _starts(part, anchors, name, scrutiny)
+    found = _from_all(part, anchors, starts, name, scrutiny)
     if not found:
         return None, "no first guess explains anything"
     found.sort(key=lambda trial: trial.fitted_rmse)
     if part is evidence:
         return _best_judged(evidence, found), ""
-    if added(evidence, anchors[0].trial):
+    joins = bool(added(evidence, anchors[0].trial))
+    if joins:
         found = found[:1]
     elif math.isfinite(scrutiny.hopeless) and found[0].fitted_rmse > _left_by_nothing(anchors[0]):
         return None, "takes nothing away of what a part of the samples shows"
     whole = _carried(evidence, bases[0], anchors[0], found, name, scrutiny)
+    if joins and (whole is None or _is_misled(whole, found[0], bases[0], anchors[0])):
+        anew = extend(evidence, bases[0], starts[0].model, [name])
+        whole = _least([fit for fit in (whole, anew) if fit is not None])
     if whole is None:
         return None, "diverges where it was not fitted"
     return judged(evidence, whole), ""
 
 
-def _from_all_starts(
-    part: Evidence, anchors: Sequence[Base], name: str, scrutiny: Scrutiny
-) -> list[Trial]:
-    """The fits from the best first guesses, and of an effect that is by itself their ends."""
+def _starts(part: Evidence, anchors: Sequence[Base], name: str, scrutiny: Scrutiny) -> list[Guess]:
+    """The first guesses that are fitted, the best first."""
     samples = sum(int(np.count_nonzero(used)) for used in part.used)
     wanted = min(scrutiny.starts, max(STARTS, ENOUGH // samples))
-    starts = guesses(part, anchors, name, wanted, scrutiny.alone)
+    return guesses(part, anchors, name, wanted, scrutiny.alone)
+
+
+def _from_all(
+    part: Evidence,
+    anchors: Sequence[Base],
+    starts: Sequence[Guess],
+    name: str,
+    scrutiny: Scrutiny,
+) -> list[Trial]:
+    """The fits from first guesses, and of an effect that is by itself their ends."""
     alone = not added(part, anchors[0].trial)
     too_far = FAR_OFF * scrutiny.hopeless
     if alone and math.isfinite(too_far):
@@ -205,8 +218,7 @@ def _carried(
         return None
     whole = fit_on(evidence, whole, ROUGH, SETTLING_IN, fresh=())
     joins = bool(added(evidence, base.trial))
-    shown = rms([anchor.residual]) / base.trial.fitted_rmse
-    if joins or least >= scrutiny.known or whole.fitted_rmse * shown <= MISLED * least:
+    if joins or least >= scrutiny.known or not _is_misled(whole, found[0], base, anchor):
         return whole
     # Stretches do not show a force what it remembers from before them: where its memory is long,
     # the way back from what they made of it is long as well.
@@ -217,6 +229,12 @@ def _carried(
         further = _on_all(evidence, base, [further])
         further = further and fit_on(evidence, further, ROUGH, SETTLING_IN, fresh=())
     return _least([fit for fit in (whole, further) if fit is not None])
+
+
+def _is_misled(whole: Trial, found: Trial, base: Base, anchor: Base) -> bool:
+    """Whether all samples leave clearly more than a fit to a part, as far as that shows the gap."""
+    shown = rms([anchor.residual]) / base.trial.fitted_rmse
+    return whole.fitted_rmse * shown > MISLED * found.fitted_rmse
 
 
 def _on_all(evidence: Evidence, base: Base, fits: Sequence[Trial]) -> Trial | None:

@@ -261,14 +261,11 @@ def _begin_anew(pool: Pool, progress: Progress, jobs: int) -> None:
 
 
 def _untried_beside(kept: Trial, names: Sequence[str], pool: Pool) -> list[str]:
-    """The effects of `names` that may join `kept` and did not yet; what closes most first."""
-    beside = added(pool.evidence, kept)
+    """The effects of `names` that may join `kept` and gain by it; what closes most first."""
     return [
         name
         for name in strongest(names, pool)
-        if name not in beside
-        and beside | {name} not in pool.tried
-        and may_join(pool.evidence, kept, name)
+        if pool.may_gain(kept, name) and may_join(pool.evidence, kept, name)
     ]
 
 

@@ -27,6 +27,7 @@ class Pool:
     refit: Trial
     tried: dict[frozenset[str], Trial] = field(default_factory=dict)
     failures: dict[str, str] = field(default_factory=dict)  # effect: why it could not be tried
+    joined: set[tuple[frozenset[str], str]] = field(default_factory=set)  # beside what, and what
     coloured: float = 0.0  # m, of what the best leaves that is noise though samples tell the next
 
     @property
@@ -95,6 +96,20 @@ class Pool:
     def leader(self) -> Trial:
         """The explanation that leaves the least, or the refit."""
         return min([self.refit, *self.tried.values()], key=lambda trial: trial.both)
+
+    def may_gain(self, leader: Trial, name: str) -> bool:
+        """Whether an effect that joins a leader may still leave less than what is known of both.
+
+        A fit can always leave what one of them does alone: where it left more it went astray, and
+        may not from the other's side.
+        """
+        beside = added(self.evidence, leader)
+        if name in beside or (beside, name) in self.joined:
+            return False
+        both = beside | {name}
+        known = self.tried.get(both)
+        fewer = [self.tried[both - {one}] for one in both if both - {one} in self.tried]
+        return known is None or any(known.fitted_rmse > trial.fitted_rmse for trial in fewer)
 
     def best(self, size: int, count: int) -> list[Trial]:
         """The explanations with `size` effects that leave the least, best first."""

@@ -64,6 +64,7 @@ def play(
         names = few_long(evidence, bases[0].trial, names)[:most]
     before = bases[0].trial
     alone = before is pool.refit
+    pool.joined |= {(added(evidence, before), name) for name in names}
     tasks = [
         (evidence, bases, name, _scrutiny(name, alone, pool))
         for name in _long_first(names, evidence.scales)

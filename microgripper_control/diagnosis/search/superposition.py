@@ -8,8 +8,8 @@ least-squares fit for a pair, so that all are asked: neither needs to be among t
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from itertools import combinations
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import combinations, islice
 
 import numpy as np
 from scipy.optimize import nnls
@@ -39,8 +39,8 @@ def add_superposed(
         return
     left = superposed(names, pool)
     least = min(left.values(), default=math.inf)
-    near = [pair for pair in left if left[pair] <= AS_GOOD * least and pair not in pool.tried]
-    for leader, seconds in _by_leader(near[:TRIED], pool):
+    near = [pair for pair in left if left[pair] <= AS_GOOD * least]
+    for leader, seconds in _by_leader(near, pool):
         base = base_of(pool.evidence, leader)
         play(pool.evidence, [base], seconds, len(seconds), pool, progress, jobs)
         if not pool.leaves_a_rest(pool.leader):
@@ -48,12 +48,24 @@ def add_superposed(
 
 
 def _by_leader(pairs: Sequence[Pair], pool: Pool) -> list[tuple[Trial, list[str]]]:
-    """What explains more of a pair alone, and what may join it, of all its pairs at once."""
+    """What is to lead the first of some pairs, and what is to join it, of all its pairs at once.
+
+    What explains more of a pair alone leads it, unless it has done so in vain.
+    """
     seconds: dict[str, list[str]] = {}
-    for first, second in (strongest(pair, pool) for pair in pairs):
-        if may_join(pool.evidence, pool.tried[Pair([first])], second):
-            seconds.setdefault(first, []).append(second)
+    for stronger, weaker in islice(_untried(pairs, pool), TRIED):
+        seconds.setdefault(stronger, []).append(weaker)
     return [(pool.tried[Pair([first])], others) for first, others in seconds.items()]
+
+
+def _untried(pairs: Sequence[Pair], pool: Pool) -> Iterator[tuple[str, str]]:
+    """Leader and second of the pairs that may gain by being tried."""
+    for first, second in (strongest(pair, pool) for pair in pairs):
+        for leader, joins in ((first, second), (second, first)):
+            alone = pool.tried[Pair([leader])]
+            if pool.may_gain(alone, joins) and may_join(pool.evidence, alone, joins):
+                yield leader, joins
+                break
 
 
 def superposed(names: Sequence[str], pool: Pool) -> dict[Pair, float]:
