@@ -28,6 +28,8 @@ from microgripper_control.core.signals import FREE, PLACES, Array, Timing
 from microgripper_control.effects.base import Link, Prepared, Scales, Stage, Values
 
 ELEMENTS = 8
+SMALL, LITTLE = 0.25, 0.03  # up to which series have all digits
+LARGE = 300.0  # far from where exp overflows
 MOST = 0.2  # of a step in a decade: what is still called creep
 # First guesses of activated elements: how slow, times the longest, and how activated, per stroke.
 ACTIVATED = ((1.0, 5.0), (1.0, 20.0), (10.0, 40.0), (100.0, 20.0))
@@ -43,14 +45,28 @@ def time_constants(values: Values) -> Array:
 
 
 @compiled
-def _relaxed(late: float, falls: float) -> float:
-    """What is left of activation (w - s) at the end of a step in which tanh(late / 2) `falls`."""
-    if abs(late) < 1.0:  # without loss: it is divided by the activation at each step
-        return 2.0 * math.atanh((1.0 - falls) * math.tanh(0.5 * late))
-    small = math.exp(-abs(late))
-    short = 2.0 * small / (1.0 + small)  # of tanh(|late| / 2), to 1
-    left = math.log((1.0 + (1.0 - falls) * (1.0 - short)) / (falls + (1.0 - falls) * short))
-    return left if late >= 0.0 else -left
+def _relaxed_by(late: float, falls: float) -> float:
+    """By how much activation (w - s) shrinks in a step in which tanh(late / 2) `falls`.
+
+    By the law for the difference of two arguments of tanh: to take the difference of what was and
+    what is left would lose its digits, and cost one logarithm more.
+    """
+    size = abs(late)
+    if size < SMALL:  # sinh(late) and cosh(late) - 1, by their series
+        q = late * late
+        rise = size * (1.0 + q / 6.0 * (1.0 + q / 20.0 * (1.0 + q / 42.0 * (1.0 + q / 72.0))))
+        bend = 0.5 * q * (1.0 + q / 12.0 * (1.0 + q / 30.0 * (1.0 + q / 56.0)))
+    else:
+        grown = math.exp(min(size, LARGE))
+        rise, bend = 0.5 * (grown - 1.0 / grown), 0.5 * (grown + 1.0 / grown) - 1.0
+    share = 0.5 * falls * rise / (1.0 + 0.5 * falls * bend)  # tanh of half of what is gone
+    if share < LITTLE:
+        q = share * share
+        gone = 2.0 * share * (1.0 + q * (1.0 / 3.0 + q * (0.2 + q * (1.0 / 7.0 + q / 9.0))))
+    else:
+        small = math.exp(-size)
+        gone = size - math.log((2.0 - falls + falls * small) / (falls + (2.0 - falls) * small))
+    return math.copysign(gone, late)
 
 
 @compiled
@@ -71,7 +87,7 @@ def _crept_activated(row: Array, elements: Array, old: float, new: float) -> flo
     for i in range(ELEMENTS):
         falls, before, after = row[2 + 3 * i], row[3 + 3 * i], row[4 + 3 * i]
         w = before * old + after * new
-        elements[i] = w - _relaxed(activation * (w - elements[i]), falls) / activation
+        elements[i] += _relaxed_by(activation * (w - elements[i]), falls) / activation
         total += elements[i]
     return total
 
