@@ -152,6 +152,22 @@ def test_what_would_leave_nearly_all_is_not_fitted_unless_it_is_strong_or_shows(
     assert ways == ["creep", "friction", "mains_hum"]
 
 
+@pytest.mark.parametrize("arrived", [False, True])
+def test_which_are_fitted_depends_on_no_order_of_arrival(
+    monkeypatch: pytest.MonkeyPatch, arrived: bool
+) -> None:
+    """What promises nothing leaves the same to the last digit, and workers end as they please."""
+    lags = ["amplifier_lag", "sensor_lag", "transport_delay"]
+    looks = [(name, 1.0) for name in lags]
+    monkeypatch.setattr(
+        rounds, "side_by_side", lambda *_: reversed(looks) if arrived else iter(looks)
+    )
+    pool: Any = SimpleNamespace(evidence=EVIDENCE, tried={}, best=lambda size, count: [])
+    nothing: Any = None
+    ways = rounds._promising(nothing, nothing, lags, set(lags), pool, 1)
+    assert ways == lags[:2]
+
+
 def test_what_promises_most_is_fitted_first(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of few places none is left for it where the strong ones and those that show come first."""
     left = {"creep": 0.9, "contact": 0.8, "nonlinear_stiffness": 0.7, "backlash": 0.75}

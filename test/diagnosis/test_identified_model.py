@@ -62,6 +62,24 @@ def told_delay(samples: float, hold: Hold) -> tuple[float, float]:
     return low / PERIOD, high / PERIOD
 
 
+@pytest.mark.parametrize("loud_first", [False, True])
+def test_of_a_hum_the_loudest_recording_tells_the_size(loud_first: bool) -> None:
+    """Each has its own; the order in which they are named tells nothing."""
+    recordings = []
+    for amplitude in (2e-8, 2e-7):
+        noise = 1e-8 * np.random.default_rng(5).standard_normal(len(TIME))
+        hum = amplitude * np.sin(2.0 * np.pi * 50.0 * TIME)
+        reading = simulate(nominal_model(), VOLTAGE, PERIOD) + hum + noise
+        recordings.append(Recording("run", PERIOD, VOLTAGE, reading))
+    if loud_first:
+        recordings.reverse()
+    evidence = Evidence.gather(recordings, [], Conditions(), nominal_model())
+    model = nominal_model().with_link("mains_hum", frequency=50.0, amplitude=1e-9)
+    free = fitted_keys(model, ["bouc_wen", "mains_hum"])
+    found = identified(evidence, refine(evidence, Trial(model, free, (0.0, 0.0), np.inf)))
+    assert found.value("mains_hum", "amplitude") == pytest.approx(2e-7, rel=0.02)
+
+
 @pytest.mark.parametrize("samples", [2.3, 2.6])
 def test_parts_of_a_sample_leave_no_trace_where_the_voltage_is_held(samples: float) -> None:
     """The paper's plant rests a quarter of a millisecond after a step of the voltage."""

@@ -41,6 +41,21 @@ def test_a_force_is_costly_where_the_voltage_bends(
     assert is_costly(evidence, nominal_model().with_link("nonlinear_stiffness")) == costly
 
 
+def test_what_a_sample_costs_does_not_depend_on_others_that_are_finer() -> None:
+    """A recording at 50 kHz takes few substeps a sample: one at 1 kHz beside it as many as ever."""
+
+    def run(period: float, samples: int) -> Recording:
+        voltage = 75.0 - 70.0 * np.cos(2.0 * np.pi * 0.5 * period * np.arange(samples))
+        return Recording("run", period, voltage, 1e-7 * voltage)
+
+    slow, fast = run(PERIOD, 40_000), run(2e-5, 2000)
+    hysteresis = nominal_model().with_link("restoring_force_hysteresis")
+    for held_out in ([], [fast]):
+        evidence = Evidence.gather([slow], held_out, Conditions(), nominal_model())
+        assert is_costly(evidence, hysteresis)
+    assert not is_costly(Evidence.gather([fast], [], Conditions(), nominal_model()), hysteresis)
+
+
 @pytest.mark.parametrize(("samples", "long"), [(2000, False), (200_000, True)])
 def test_a_costly_force_is_long_on_many_samples(samples: int, long: bool) -> None:
     voltage = 75.0 - 70.0 * np.cos(2.0 * np.pi * 0.5 * PERIOD * np.arange(samples))

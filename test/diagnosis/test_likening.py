@@ -8,9 +8,10 @@ from driven_by_steps import refitted
 from microgripper_control.diagnosis.fits.fitting import base_of, begun
 from microgripper_control.diagnosis.fits.trial import with_guess
 from microgripper_control.diagnosis.search.finishing import POLISHED, refined
-from microgripper_control.diagnosis.search.likening import add_likened
+from microgripper_control.diagnosis.search.likening import _in_place_of, add_likened
 from microgripper_control.diagnosis.search.pool import Pool
 from microgripper_control.effects.base import Values
+from microgripper_control.effects.memory_of_the_way import RELEASED
 from microgripper_control.plant.model import Model, nominal_model
 
 FRICTION, HYSTERESIS = "friction", "restoring_force_hysteresis"
@@ -37,6 +38,17 @@ def test_friction_is_fitted_from_a_hysteresis_that_imitates_it() -> None:
     assert pool.leader.effects == (FRICTION,)
     assert pool.leader.both < 0.5 * (NOISE + left)
     assert pool.leader.model.value(FRICTION, "coulomb") == pytest.approx(30.0, rel=0.1)
+
+
+def test_what_a_recording_begins_without_is_told_as_well() -> None:
+    """A rig that rested before a recording has let go of what its joints held."""
+    friction = {"coulomb": 30.0, "stiffness": 2e7, "excess": 0.0, RELEASED.name: 1.0}
+    rig = nominal_model().with_link(FRICTION, **friction)
+    pool = explained(rig, FRICTION, rig.values(FRICTION))
+    (start,) = _in_place_of(FRICTION, pool, [FRICTION, HYSTERESIS])
+    assert start.model.value(HYSTERESIS, RELEASED.name) == 1.0
+    add_likened(pool, [FRICTION, HYSTERESIS], jobs=1)
+    assert pool.tried[frozenset([HYSTERESIS])].both < 1.1 * pool.leader.both
 
 
 def test_what_has_found_it_by_itself_is_not_fitted_again() -> None:

@@ -63,6 +63,17 @@ def test_the_two_at_work_promise_most_and_are_tried() -> None:
     assert pool.leader.rmse < 1.5 * NOISE
 
 
+def test_pairs_that_may_not_join_take_no_place(monkeypatch: pytest.MonkeyPatch) -> None:
+    """However much they promise: of six places none was left for what may be tried."""
+    pool = tried_alone(nominal_model().with_link("creep", **TRUE["creep"]))
+    forbidden = {"creep", "extra_resonance"}
+    monkeypatch.setattr(
+        superposition, "may_join", lambda _, trial, name: not {*trial.effects, name} <= forbidden
+    )
+    assert frozenset(forbidden) not in superposed(ALONE, pool)
+    assert len(superposed(ALONE, pool)) == 5
+
+
 def test_a_pair_that_went_astray_is_tried_from_the_other_side() -> None:
     """What explains more alone has bent its own parameters to the other's part of the gap."""
     rig = nominal_model()

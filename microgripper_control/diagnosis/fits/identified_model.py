@@ -6,10 +6,13 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
+
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.fits.trial import Trial, problem_of
+from microgripper_control.effects.base import Values
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.confidence import autocorrelation_time, interval
 from microgripper_control.identification.determined import freedom, variances
@@ -92,14 +95,20 @@ def _end(likely: Callable[[float], bool], inside: float, beyond: float) -> float
 
 
 def _as_observed(problem: Problem, z: Array, model: Model) -> Model:
-    """What the first recording showed of hum and drift, which predictions leave to each recording.
+    """What recordings showed most of hum and drift, which predictions leave to each of them.
 
     A live simulation needs their sizes; no prediction changes by them.
     """
-    recording = problem.recordings[0]
-    time = recording.elapsed
-    for name, (weights, _) in own_courses(model, recording, problem.nuisances(z)[0]).items():
-        for key, value in registry()[name].observed(model.values(name), weights, time).items():
+    most: dict[str, tuple[float, Values]] = {}  # of each link, the largest course and its values
+    for recording, nuisance in zip(problem.recordings, problem.nuisances(z), strict=True):
+        for name, (weights, courses) in own_courses(model, recording, nuisance).items():
+            size = float(np.std(weights @ courses))
+            if size >= most.get(name, (0.0,))[0]:
+                values = model.values(name)
+                seen = registry()[name].observed(values, weights, recording.elapsed)
+                most[name] = size, seen
+    for name, (_, seen) in most.items():
+        for key, value in seen.items():
             inside = registry()[name].parameter(key).nearest(value)
             model = model.with_values({(name, key): inside})
     return model

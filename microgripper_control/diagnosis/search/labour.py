@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import ROWS
 from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.fits.trial import Trial, added, with_guess
@@ -27,7 +28,9 @@ MANY_ROWS = 10  # of coefficients a sample: by place, and at rest at its end, a 
 def is_light_with(evidence: Evidence, trial: Trial, effect: str) -> bool:
     """Whether a trial's model with one more effect takes few rows of coefficients a sample."""
     model = _with(evidence, trial, effect)
-    return model is None or _labour(evidence, model) <= MANY_ROWS
+    return model is None or all(
+        _labour(evidence, recording, model) <= MANY_ROWS for recording in evidence.fitted
+    )
 
 
 def is_force(effect: str) -> bool:
@@ -37,7 +40,9 @@ def is_force(effect: str) -> bool:
 
 def is_costly(evidence: Evidence, model: Model) -> bool:
     """Whether a model has forces that are balanced many times in each sample."""
-    return _labour_of_forces(evidence, model) > MANY_ROWS
+    return any(
+        _labour_of_forces(evidence, recording, model) > MANY_ROWS for recording in evidence.fitted
+    )
 
 
 def is_long(evidence: Evidence, model: Model) -> bool:
@@ -74,8 +79,10 @@ def may_join(evidence: Evidence, trial: Trial, effect: str) -> bool:
 
 def _rows(evidence: Evidence, model: Model) -> int:
     """Rows of coefficients that a simulation of all recordings takes; 0 without any force."""
-    samples = sum(len(recording) for recording in evidence.fitted)
-    return samples * _labour_of_forces(evidence, model)
+    return sum(
+        len(recording) * _labour_of_forces(evidence, recording, model)
+        for recording in evidence.fitted
+    )
 
 
 def _rows_with(evidence: Evidence, trial: Trial, effect: str) -> int:
@@ -90,22 +97,22 @@ def _with(evidence: Evidence, trial: Trial, effect: str) -> Model | None:
     return with_guess(trial.model, effect, starts[0]) if starts else None
 
 
-def _labour_of_forces(evidence: Evidence, model: Model) -> int:
-    """Rows of coefficients a sample of a model with forces takes; 0 without any."""
+def _labour_of_forces(evidence: Evidence, recording: Recording, model: Model) -> int:
+    """Rows of coefficients a sample of a recording takes with forces; 0 without any."""
     if not any(map(is_force, model.effects)):
         return 0
-    return _divisions(evidence) * _labour(evidence, model)
+    return _divisions(evidence, recording) * _labour(evidence, recording, model)
 
 
-def _divisions(evidence: Evidence) -> int:
-    """Into how many a sample period is divided, at most, as the voltage bends within it."""
+def _divisions(evidence: Evidence, recording: Recording) -> int:
+    """Into how many a sample period is divided as the voltage bends within it."""
     if evidence.conditions.hold is not Hold.BANDLIMITED:
         return 1
     periodic = evidence.conditions.initial is Initial.PERIODIC
-    return max(course(recording.voltage, periodic).divisions for recording in evidence.fitted)
+    return course(recording.voltage, periodic).divisions
 
 
-def _labour(evidence: Evidence, model: Model) -> int:
-    """Rows of coefficients a sample of a model takes."""
-    period, hold = evidence.scales.sample_period, evidence.conditions.hold
-    return Chain(model, period, np.zeros(ROWS), hold=hold).labour
+def _labour(evidence: Evidence, recording: Recording, model: Model) -> int:
+    """Rows of coefficients a sample of a recording takes."""
+    hold = evidence.conditions.hold
+    return Chain(model, recording.sample_period, np.zeros(ROWS), hold=hold).labour

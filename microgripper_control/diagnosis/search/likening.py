@@ -14,7 +14,9 @@ from microgripper_control.diagnosis.search.finishing import POLISHED, refined
 from microgripper_control.diagnosis.search.labour import is_costly
 from microgripper_control.diagnosis.search.pool import Pool
 from microgripper_control.diagnosis.search.schedule import side_by_side
+from microgripper_control.effects.memory_of_the_way import RELEASED
 from microgripper_control.effects.registry import registry
+from microgripper_control.plant.model import Model
 
 BEHIND = 1.1  # times what the best leaves: what leaves less has found it by itself
 EVALUATIONS = 20
@@ -42,8 +44,15 @@ def _in_place_of(name: str, pool: Pool, names: Collection[str]) -> Iterator[Tria
         if not values or (known and known.both < BEHIND * leader.both):
             continue
         rest = without(leader, name)
-        model = with_guess(rest.model, other, values)
+        model = _as_released(leader.model, name, with_guess(rest.model, other, values), other)
         costs_more = is_costly(pool.evidence, model) and not is_costly(pool.evidence, leader.model)
         if costs_more and not pool.leaves_a_rest(leader):
             continue
         yield replace(rest, model=model, free=(*rest.free, *fitted_keys(model, [other])))
+
+
+def _as_released(leader: Model, name: str, model: Model, other: str) -> Model:
+    """The model in which the other law, too, begins a recording with or without what it held."""
+    if not all(RELEASED in registry()[one].parameters for one in (name, other)):
+        return model
+    return model.with_values({(other, RELEASED.name): leader.value(name, RELEASED.name)})

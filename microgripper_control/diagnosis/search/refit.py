@@ -15,7 +15,6 @@ from microgripper_control.diagnosis.fits.trial import (
     judged,
     problem_of,
     starting_hysteresis,
-    trial_at,
     unfitted,
 )
 from microgripper_control.diagnosis.search.ringing import other_frequencies
@@ -68,11 +67,10 @@ def refit_trial(evidence: Evidence, nominal: Trial) -> Trial:
     )
     if not dynamic:
         return found
-    z, wider, _ = add_dynamics(problem, z, dynamic)
+    _, wider, _ = add_dynamics(problem, z, dynamic)
     if wider.free == problem.free:
         return found
-    residuals = wider.residuals(z)
-    return judged(evidence, trial_at(wider, z, float(residuals @ residuals)))
+    return refine(evidence, replace(found, free=wider.free, errors=()))
 
 
 def _static_keys(model: Model) -> tuple[Key, ...]:

@@ -37,11 +37,11 @@ def again_if_settled(pool: Pool, jobs: int) -> Pool:
         refine(evidence, pool.refit, ROUGH, STEPS),
         failures=pool.failures,
     )
-    leaders = _of_one_effect(pool, LEADERS)
-    others = [trial for trial in pool.tried.values() if trial not in leaders.values()]
-    for trial in side_by_side(_as_it_was, [(evidence, trial) for trial in others], jobs):
+    tried = [(evidence, trial) for trial in pool.tried.values()]
+    for trial in side_by_side(_as_it_was, tried, jobs):
         settled.add(trial)
-    for trial in side_by_side(polish, [(evidence, trial) for trial in leaders.values()], jobs):
+    leaders = [(evidence, trial) for trial in _of_one_effect(pool, LEADERS).values()]
+    for trial in side_by_side(polish, leaders, jobs):
         settled.add(trial)
     # What the first period has led astray begins afresh, unless nothing is left to explain.
     if settled.unexplained:

@@ -6,7 +6,7 @@ All are screened, the promising are fitted, the best of them to the end.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 
 import numpy as np
 
@@ -131,9 +131,11 @@ def _promising(
     miss a narrow resonance.
     """
     looks = [(evidence, bases, name, _by_itself(name, pool)) for name in names]
-    left: Mapping[str, float] = dict(side_by_side(promise, looks, jobs))
+    found = dict(side_by_side(promise, looks, jobs))
+    left = {name: found[name] for name in names}  # as they come they are in no order
     strong = strongest(left, pool)[:RUNNERS_UP]
-    first = {*strong, *sorted({*shown} & {*left}, key=lambda name: left[name])[:SHOWN]}
+    seen = sorted((name for name in left if name in shown), key=lambda name: left[name])
+    first = {*strong, *seen[:SHOWN]}
     worth = [name for name in left if name in first or left[name] < HARDLY]
     best = min(worth, key=lambda name: left[name], default=None)
     return sorted(worth, key=lambda name: (name != best, name not in first, left[name]))

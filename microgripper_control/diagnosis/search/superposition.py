@@ -63,7 +63,7 @@ def _untried(pairs: Sequence[Pair], pool: Pool) -> Iterator[tuple[str, str]]:
     for first, second in (strongest(pair, pool) for pair in pairs):
         for leader, joins in ((first, second), (second, first)):
             alone = pool.tried[Pair([leader])]
-            if pool.may_gain(alone, joins) and may_join(pool.evidence, alone, joins):
+            if pool.may_gain(alone, joins):
                 yield leader, joins
                 break
 
@@ -71,12 +71,18 @@ def _untried(pairs: Sequence[Pair], pool: Pool) -> Iterator[tuple[str, str]]:
 def superposed(names: Sequence[str], pool: Pool) -> dict[Pair, float]:
     """What two of some effects that were tried alone would leave of the fitted samples, m rms.
 
-    The pair that would leave the least comes first.
+    Only of those that may be tried together, or were. What would leave the least comes first.
     """
     base = base_of(pool.evidence, pool.refit)
     taken = _all_taken(names, base, pool)
-    left = {Pair(pair): _left(base, taken, pair) for pair in combinations(taken, 2)}
+    pairs = [Pair(pair) for pair in combinations(taken, 2) if _may_be_tried(Pair(pair), pool)]
+    left = {pair: _left(base, taken, sorted(pair)) for pair in pairs}
     return dict(sorted(left.items(), key=lambda one: one[1]))
+
+
+def _may_be_tried(pair: Pair, pool: Pool) -> bool:
+    first, second = sorted(pair)
+    return pair in pool.tried or may_join(pool.evidence, pool.tried[Pair([first])], second)
 
 
 def alike(name: str, others: Sequence[str], pool: Pool) -> list[str]:
