@@ -57,7 +57,7 @@ class Scrutiny(NamedTuple):
     starts: int = MOST_STARTS
     hopeless: float = math.inf  # m: what leaves more is fitted no further
     known: float = math.inf  # m, what the best of the others leaves
-    alone: Sequence[Values] = ()  # what an effect that joins others was by itself
+    found_alone: Sequence[Values] = ()  # what an effect that joins others was by itself
 
     def where_shown(self, base: float, shown: float) -> Scrutiny:
         """The same for a part that leaves `shown`, m, where the whole leaves the base: its share.
@@ -74,11 +74,7 @@ class Scrutiny(NamedTuple):
 def attempt(
     evidence: Evidence, bases: Sequence[Base], name: str, scrutiny: Scrutiny
 ) -> tuple[str, Trial | None, str]:
-    """Add one effect to the bases: its name, the best fit, and why there is none.
-
-    A costly one that leaves less of a part of the samples than the best of the others, and then
-    more of all, is worth a longer fit.
-    """
+    """Add one effect to the bases: its name, the best fit, and why there is none."""
     try:
         with np.errstate(all="ignore"):  # a hopeless guess may overflow: it is then no start
             found, why = _attempt(evidence, bases, name, scrutiny)
@@ -117,6 +113,7 @@ def _attempt(
     elif math.isfinite(scrutiny.hopeless) and found[0].fitted_rmse > _left_by_nothing(anchors[0]):
         return None, "takes nothing away of what a part of the samples shows"
     whole = _carried(evidence, bases[0], anchors[0], found, name, scrutiny)
+    # A fit to a part may bend the base to what stretches hide: then all samples are asked.
     if joins and (whole is None or _is_misled(whole, found[0], bases[0], anchors[0])):
         anew = extend(evidence, bases[0], starts[0].model, [name])
         whole = _least([fit for fit in (whole, anew) if fit is not None])
@@ -129,7 +126,7 @@ def _starts(part: Evidence, anchors: Sequence[Base], name: str, scrutiny: Scruti
     """The first guesses that are fitted, the best first."""
     samples = sum(int(np.count_nonzero(used)) for used in part.used)
     wanted = min(scrutiny.starts, max(STARTS, ENOUGH // samples))
-    return guesses(part, anchors, name, wanted, scrutiny.alone)
+    return guesses(part, anchors, name, wanted, scrutiny.found_alone)
 
 
 def _from_all(
@@ -299,16 +296,16 @@ def behind(evidence: Evidence, trial: Trial, name: str) -> Trial:
 
 
 def promise(
-    evidence: Evidence, bases: Sequence[Base], name: str, alone: Sequence[Values]
+    evidence: Evidence, bases: Sequence[Base], name: str, found_alone: Sequence[Values]
 ) -> tuple[str, float]:
     """The share of a residual's power, at best, that is left when an effect joins in.
 
-    `alone` is as `Scrutiny` has it.
+    `found_alone` is as `Scrutiny` has it.
     """
     try:
         with np.errstate(all="ignore"):
             part, anchors = on_a_part(evidence, bases, name, GLANCE)
-            found = guesses(part, anchors, name, 1, alone)
+            found = guesses(part, anchors, name, 1, found_alone)
     except (ArithmeticError, ValueError, np.linalg.LinAlgError):
         return name, np.inf
     # A part has a beginning and a zero of its own, to which the base was not fitted.

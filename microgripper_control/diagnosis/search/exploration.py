@@ -38,15 +38,15 @@ MOST_EFFECTS = 3
 BEAM = 2  # explanations that a further effect is added to
 SECONDS, SECONDS_IF_COSTLY = 7, 3  # second effects that are fitted, the most promising,
 THIRDS = 3  # and third ones
-UNCLOSED_IF_COSTLY = 0.25  # of the gap: what asks for an effect beside a costly force, a minute,
-UNCLOSED_IF_LONG = 0.4  # or ten where its simulation is long: under that only
-SECONDS_IF_LONG = 2  # are tried, the strongest by themselves
+UNCLOSED_IF_COSTLY = 0.25  # of the gap: a costly force that leaves less leads no other effect,
+UNCLOSED_IF_LONG = 0.4  # and one with long simulations that leaves less only
+SECONDS_IF_LONG = 2  # others, the strongest by themselves: a round takes ten minutes
 FAIR_PART = 0.2  # of the gap; two independent effects of one size close 0.3 of it each
 FOLLOWED = 0.9  # of what the refit leaves: a course that leaves more follows nothing much
 MUCH_LESS = 0.7  # of what the best with an effect less leaves: a pair worth taking apart as well
 EXCHANGED = 2  # effects that may be meant in the place of another, at most
 RIVAL = 0.7  # of what the best closes: what the second must close to be a leader as well,
-RIVAL_IF_COSTLY = 0.9  # and what it must with a force that remembers the way,
+RIVAL_IF_COSTLY = 0.9  # and what it must with a costly force,
 RIVAL_IF_SHOWN = 0.5  # or if what the refit leaves shows a sign of it
 
 
