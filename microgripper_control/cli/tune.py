@@ -63,10 +63,7 @@ def _plant_rows(identified: Identified) -> Sequence[tuple[str, str]]:
     low, high = identified.voltage_range
     natural = math.sqrt((identified.k + identified.k_s) / identified.m)  # rad/s
     return [
-        (
-            "gain at rest, without hysteresis",
-            f"{quantity(identified.gain, 'm', 4)}/V",
-        ),
+        ("gain at rest, without hysteresis", f"{quantity(identified.gain, 'm', 4)}/V"),
         ("reach, from rest on", span(*identified.reach(low, high), "m", 3)),
         ("voltage", span(low, high, "V", 3)),
         ("natural frequency", quantity(natural / (2.0 * math.pi), "Hz", 3)),

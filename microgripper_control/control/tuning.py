@@ -33,13 +33,13 @@ from microgripper_control.core.signals import Array
 # integral action, K ki = 1 / (2 theta). A sampled integrator takes effect half a sample late and
 # the answer one sample: theta = 1.5 T and the dead time.
 SAMPLES_LATE = 1.5
+ACTING = ("kp", "ki", "kd")  # the gains without any of which a loop does nothing
 GAIN_ERROR = 1.2  # the plant's gain may be this much larger than identified
 LEAST_GAIN_MARGIN = 2.0
 LEAST_PHASE_MARGIN = 45.0  # degrees
 MOST_REDUCTIONS = 150  # of the gain, to 1e-7 of the rule's
 WHOLE = 1e-6  # of a tick: a dead time that is so little longer is none longer
 FREQUENCIES = 20_000  # from zero to half the sampling rate,
-ACTING = ("kp", "ki", "kd")  # the gains of which one at least must be there
 FINER = 8  # or so many for each tick of dead time: the loop turns by half a circle with each
 
 

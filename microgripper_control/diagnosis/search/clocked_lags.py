@@ -60,7 +60,7 @@ def on_the_sensors_clock(pool: Pool, jobs: int = -1, size: int = 1) -> Pool:
     chosen = min(tried, key=lambda fit: fit.trial.both, default=None)
     if chosen is None or chosen.trial.both >= best[0].both:
         return pool
-    pool = replace(pool, evidence=chosen.evidence, tried={**pool.tried})
+    pool = replace(pool, evidence=chosen.evidence, tried={**pool.tried}, joined=set())
     others = [lag for lag in lags if lag.effects != chosen.trial.effects]
     for fit in (chosen, *_fitted([(lag, chosen.evidence, 0.0) for lag in others], jobs)):
         pool.add(fit.trial)
