@@ -82,9 +82,7 @@ def add_dynamics(
     problem: Problem, z: Array, dynamic: tuple[Key, ...]
 ) -> tuple[Array, Problem, tuple[Undetermined, ...]]:
     """Fit mass and damping, too, where the recordings show the resonance."""
-    wider, point = _extended(problem, z, dynamic)
-    errors = _errors(wider, point)[-len(dynamic) :]
-    seen = [key for key, e in zip(dynamic, errors, strict=True) if e < LARGEST_RELATIVE_ERROR]
+    seen = shown_dynamics(problem, z, dynamic)
     unseen = tuple(
         Undetermined(key, "the recording is too slow to show the resonance")
         for key in dynamic
@@ -94,6 +92,12 @@ def add_dynamics(
         return z, problem, unseen
     wider, point = _extended(problem, z, seen)
     return descend(wider, point), wider, unseen
+
+
+def shown_dynamics(problem: Problem, z: Array, dynamic: tuple[Key, ...]) -> tuple[Key, ...]:
+    """Those of mass and damping that the recordings would tell, beside what is fitted already."""
+    errors = _errors(*_extended(problem, z, dynamic))[-len(dynamic) :]
+    return tuple(key for key, e in zip(dynamic, errors, strict=True) if e < LARGEST_RELATIVE_ERROR)
 
 
 def drop_undetermined(

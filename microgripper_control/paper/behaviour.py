@@ -10,10 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from microgripper_control.control.identified import Identified
 from microgripper_control.core.signals import Array
 from microgripper_control.effects.bouc_wen_behaviour import Behaviour, behaviour
 from microgripper_control.paper.agreement import Row, Table
-from microgripper_control.paper.experiment import drive, hysteresis, identified_from
+from microgripper_control.paper.experiment import drive, hysteresis
 from microgripper_control.paper.printed import TABLE_2
 from microgripper_control.plant.model import Model
 
@@ -127,7 +128,7 @@ def settled_loop(model: Model, voltage_span: float, cycles: int = CYCLES_TO_SETT
 
 def at_rest(model: Model, voltage: Array) -> Array:
     """x = k/(k + k_s) (d u - h), m: equation (4) with the mechanics settled, h by (2)."""
-    v = identified_from(model)
+    v = Identified.of(model)
     return v.compliance * (v.d * voltage - hysteresis(model, voltage))
 
 

@@ -53,7 +53,7 @@ def with_paper_sensor(model: Model) -> Model:
 
 def hysteresis(model: Model, voltage: Array) -> Array:
     """h after each voltage, m, shape (n,), by equations (2), (3), from rest at 0 V."""
-    v = identified_from(model)
+    v = Identified.of(model)
     result = np.empty(len(voltage))
     u = h = 0.0
     for k, new in enumerate(voltage):
@@ -61,8 +61,3 @@ def hysteresis(model: Model, voltage: Array) -> Array:
         u = new
         result[k] = h
     return result
-
-
-def identified_from(model: Model) -> Identified:
-    """The model's values as a controller holds them."""
-    return Identified.of(model)

@@ -24,7 +24,6 @@ from microgripper_control.paper.closed_loop import track
 from microgripper_control.paper.experiment import (
     SAMPLE_PERIOD,
     SENSOR,
-    identified_from,
     with_paper_sensor,
 )
 from microgripper_control.paper.open_loop import calibrated_gain
@@ -135,7 +134,7 @@ class _Runner:
 
     def __init__(self, plant: Model, gains: PidGains) -> None:
         self._gain = calibrated_gain(plant)
-        usual = default_gains(identified_from(plant), SAMPLE_PERIOD)
+        usual = default_gains(Identified.of(plant), SAMPLE_PERIOD)
         self._gains = {law: gains if law in (TUNED_PID, TUNED_CASCADE) else usual for law in LAWS}
 
     def run(self, law: str, rig: Model, held: Identified, setpoint: Array) -> Array:
@@ -161,7 +160,7 @@ def reproduce_headline(
     that are off are all run at the main frequency, and the worst for each law again at the others.
     """
     runner = _Runner(plant, gains)
-    exact = identified_from(plant)
+    exact = Identified.of(plant)
     coarse = with_paper_sensor(plant)
     worst = {law: _worst(runner, law, plant, reach, progress) for law in LAWS}
     errors: dict[float, Errors] = {}
@@ -207,7 +206,7 @@ def _worst(
 ) -> tuple[Model, Model]:
     """The plants that are off on which a law errs most: later on, and in the first cycle."""
     progress(f"plants {100.0 * MISMATCH:g} % off: {law}")
-    exact = identified_from(plant)
+    exact = Identified.of(plant)
     setpoint, first, later = _setpoint(reach, MAIN)
     errors = []
     for rig in mismatched(plant):

@@ -24,7 +24,6 @@ from microgripper_control.paper.experiment import (
     SAMPLE_PERIOD,
     SHAPE,
     drive,
-    identified_from,
     record,
     with_paper_sensor,
 )
@@ -220,7 +219,7 @@ def _fits(
     def fitted(rig: Model, sensor: str, shape: str = SHAPE) -> InverseFit:
         progress(f"inverse model, {sensor}")
         recording = record(rig, drive(plant, shape), sensor)
-        return fit_inverse(recording, identified_from(plant), sensor)
+        return fit_inverse(recording, Identified.of(plant), sensor)
 
     coarse = with_paper_sensor(plant)
     return (
@@ -234,7 +233,7 @@ def _slow_errors(
     plant: Model, values: Mapping[str, float], reach: tuple[float, float]
 ) -> tuple[Tracking, Tracking]:
     """Of equation (6) and of the exact inverse with these values, at 1 Hz and 1 kHz."""
-    held = with_hysteresis(identified_from(plant), values)
+    held = with_hysteresis(Identified.of(plant), values)
     setpoint, start = approached_sine(reach, FREQUENCY, 3, SAMPLE_PERIOD)
     explicit, exact = (
         compensation_error(plant, held, kind, setpoint, start, SAMPLE_PERIOD)
@@ -247,5 +246,5 @@ def _fast_error(
     plant: Model, kind: InverseKind, reach: tuple[float, float], sample_period: float
 ) -> float:
     setpoint, start = approached_sine(reach, FAST, 2, sample_period)
-    identified = identified_from(plant)
+    identified = Identified.of(plant)
     return compensation_error(plant, identified, kind, setpoint, start, sample_period).rms

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize
 
+from microgripper_control.control.identified import Identified
 from microgripper_control.control.linearised import Linearised
 from microgripper_control.core.signals import Array
 from microgripper_control.paper.agreement import Row, Table
@@ -23,7 +24,6 @@ from microgripper_control.paper.experiment import (
     SAMPLE_PERIOD,
     drive,
     hysteresis,
-    identified_from,
 )
 from microgripper_control.paper.printed import K1, K2
 from microgripper_control.plant.model import Model
@@ -203,7 +203,7 @@ def reproduce_linearised(plant: Model) -> LinearisedResult:
         hysteresis=recorded,
         linear_hysteresis=fit.found.hysteresis(voltage, SAMPLE_PERIOD),
         displacement=at_rest(plant, voltage),
-        linear_displacement=fit.found.displacement(identified_from(plant), voltage, SAMPLE_PERIOD),
+        linear_displacement=fit.found.displacement(Identified.of(plant), voltage, SAMPLE_PERIOD),
         fit=fit,
         sweep=tuple(fit_course(plant, "sine", CYCLES, f) for f in FREQUENCIES),
         courses=tuple(fit_course(plant, *course, FREQUENCY) for course in COURSES),

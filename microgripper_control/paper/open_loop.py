@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from microgripper_control.control.feedforward import InverseKind, make_inverse
+from microgripper_control.control.identified import Identified
 from microgripper_control.control.linearised import Linearised
 from microgripper_control.core.signals import Array
 from microgripper_control.paper import printed
@@ -20,7 +21,6 @@ from microgripper_control.paper.behaviour import at_rest
 from microgripper_control.paper.experiment import (
     FREQUENCY,
     drive,
-    identified_from,
 )
 from microgripper_control.paper.inverse_fit import inverse_voltages
 from microgripper_control.paper.linearised import SAMPLES_PER_CYCLE
@@ -131,7 +131,7 @@ def steer(
     """
     period = 1.0 / (frequency * SAMPLES_PER_CYCLE)
     setpoint, start = approached_sine(reach, frequency, 3, period)
-    identified = identified_from(plant)
+    identified = Identified.of(plant)
     if name == LINEARISED:
         voltage = linear.voltage(identified, setpoint, period)
     elif name == EXACT:

@@ -19,6 +19,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from microgripper_control.control.controller import Mode
+from microgripper_control.control.identified import Identified
 from microgripper_control.control.linearised import Linearised
 from microgripper_control.control.pid import PidGains
 from microgripper_control.control.setpoints import Ramp, Sequence, Sine, Staircase, Triangle
@@ -30,7 +31,7 @@ from microgripper_control.control.tuning import (
 from microgripper_control.core.signals import Array
 from microgripper_control.paper.agreement import Row, Table
 from microgripper_control.paper.closed_loop import track
-from microgripper_control.paper.experiment import SAMPLE_PERIOD, identified_from
+from microgripper_control.paper.experiment import SAMPLE_PERIOD
 from microgripper_control.paper.linear_plant import state_space
 from microgripper_control.paper.setpoint import Tracking, tracking_error
 from microgripper_control.paper.tuning_rules import (
@@ -139,7 +140,7 @@ def reproduce_pid(
 
     `linear` is the linearisation of section 7, `reach` (m) where the setpoint moves.
     """
-    identified = identified_from(plant)
+    identified = Identified.of(plant)
     continuous = state_space(identified, linear, flexure=True)
     loop = sampled_loop(identified, linear, SAMPLE_PERIOD)
     setpoint, start = mixed_setpoint(reach)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from microgripper_control.control.identified import Identified
 from microgripper_control.paper.agreement import Row
 from microgripper_control.paper.behaviour import BehaviourResult, reproduce_behaviour
-from microgripper_control.paper.experiment import identified_from
 from microgripper_control.paper.headline import HeadlineResult, reproduce_headline
 from microgripper_control.paper.identification import (
     IdentificationResult,
@@ -75,10 +75,10 @@ def reproduce(progress: Callable[[str], None] = lambda stage: None) -> Reproduct
     progress("linearisation")
     linearised = reproduce_linearised(plant)
     linear = linearised.fit.found
-    linear_plant = reproduce_linear_plant(identified_from(plant), linear)
+    linear_plant = reproduce_linear_plant(Identified.of(plant), linear)
     open_loop = reproduce_open_loop(plant, linear, reach)
     pid = reproduce_pid(plant, linear, reach, progress)
-    seen = identified_from(identification.paper.fit.model)
+    seen = Identified.of(identification.paper.fit.model)
     gains = pid.sets[ROBUST].gains
     headline = reproduce_headline(plant, gains, seen, reach, progress)
     return Reproduction(

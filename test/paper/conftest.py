@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 from microgripper_control.control.identified import Identified
-from microgripper_control.paper.experiment import identified_from
 from microgripper_control.paper.reproduction import STAGES, Reproduction, reproduce
 from microgripper_control.plant.model import Model, nominal_model
 
@@ -17,7 +16,7 @@ def plant() -> Model:
 
 @pytest.fixture(scope="session")
 def identified(plant: Model) -> Identified:
-    return identified_from(plant)
+    return Identified.of(plant)
 
 
 @pytest.fixture(scope="session")

@@ -28,9 +28,7 @@ MANY_ROWS = 10  # of coefficients a sample: by place, and at rest at its end, a 
 def is_light_with(evidence: Evidence, trial: Trial, effect: str) -> bool:
     """Whether a trial's model with one more effect takes few rows of coefficients a sample."""
     model = _with(evidence, trial, effect)
-    return model is None or all(
-        _labour(evidence, recording, model) <= MANY_ROWS for recording in evidence.fitted
-    )
+    return model is None or max(_labour(evidence, model).values()) <= MANY_ROWS
 
 
 def is_force(effect: str) -> bool:
@@ -40,9 +38,7 @@ def is_force(effect: str) -> bool:
 
 def is_costly(evidence: Evidence, model: Model) -> bool:
     """Whether a model has forces that are balanced many times in each sample."""
-    return any(
-        _labour_of_forces(evidence, recording, model) > MANY_ROWS for recording in evidence.fitted
-    )
+    return max(_labour_of_forces(evidence, model)) > MANY_ROWS
 
 
 def is_long(evidence: Evidence, model: Model) -> bool:
@@ -79,10 +75,8 @@ def may_join(evidence: Evidence, trial: Trial, effect: str) -> bool:
 
 def _rows(evidence: Evidence, model: Model) -> int:
     """Rows of coefficients that a simulation of all recordings takes; 0 without any force."""
-    return sum(
-        len(recording) * _labour_of_forces(evidence, recording, model)
-        for recording in evidence.fitted
-    )
+    labour = _labour_of_forces(evidence, model)
+    return sum(len(one) * rows for one, rows in zip(evidence.fitted, labour, strict=True))
 
 
 def _rows_with(evidence: Evidence, trial: Trial, effect: str) -> int:
@@ -97,11 +91,12 @@ def _with(evidence: Evidence, trial: Trial, effect: str) -> Model | None:
     return with_guess(trial.model, effect, starts[0]) if starts else None
 
 
-def _labour_of_forces(evidence: Evidence, recording: Recording, model: Model) -> int:
-    """Rows of coefficients a sample of a recording takes with forces; 0 without any."""
+def _labour_of_forces(evidence: Evidence, model: Model) -> list[int]:
+    """Rows of coefficients that a sample of each recording takes with forces; 0 without any."""
     if not any(map(is_force, model.effects)):
-        return 0
-    return _divisions(evidence, recording) * _labour(evidence, recording, model)
+        return [0] * len(evidence.fitted)
+    labour = _labour(evidence, model)
+    return [_divisions(evidence, one) * labour[one.sample_period] for one in evidence.fitted]
 
 
 def _divisions(evidence: Evidence, recording: Recording) -> int:
@@ -112,7 +107,7 @@ def _divisions(evidence: Evidence, recording: Recording) -> int:
     return course(recording.voltage, periodic).divisions
 
 
-def _labour(evidence: Evidence, recording: Recording, model: Model) -> int:
-    """Rows of coefficients a sample of a recording takes."""
-    hold = evidence.conditions.hold
-    return Chain(model, recording.sample_period, np.zeros(ROWS), hold=hold).labour
+def _labour(evidence: Evidence, model: Model) -> dict[float, int]:
+    """Rows of coefficients a sample of a model takes, by sample period, s, of which few differ."""
+    periods, hold = {one.sample_period for one in evidence.fitted}, evidence.conditions.hold
+    return {one: Chain(model, one, np.zeros(ROWS), hold=hold).labour for one in periods}

@@ -18,7 +18,7 @@ from microgripper_control.diagnosis.fits.trial import (
     unfitted,
 )
 from microgripper_control.diagnosis.search.ringing import other_frequencies
-from microgripper_control.identification.determined import DYNAMIC, add_dynamics
+from microgripper_control.identification.determined import DYNAMIC, shown_dynamics
 from microgripper_control.identification.nuisance import refuse_divergence, response
 from microgripper_control.identification.start import GRID_KEYS, better_start
 from microgripper_control.plant.model import Key, Model
@@ -67,10 +67,10 @@ def refit_trial(evidence: Evidence, nominal: Trial) -> Trial:
     )
     if not dynamic:
         return found
-    _, wider, _ = add_dynamics(problem, z, dynamic)
-    if wider.free == problem.free:
+    shown = shown_dynamics(problem, z, dynamic)
+    if not shown:
         return found
-    return refine(evidence, replace(found, free=wider.free, errors=()))
+    return refine(evidence, replace(found, free=(*found.free, *shown), errors=()))
 
 
 def _static_keys(model: Model) -> tuple[Key, ...]:

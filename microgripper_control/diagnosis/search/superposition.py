@@ -75,8 +75,8 @@ def superposed(names: Sequence[str], pool: Pool) -> dict[Pair, float]:
     """
     base = base_of(pool.evidence, pool.refit)
     taken = _all_taken(names, base, pool)
-    pairs = [Pair(pair) for pair in combinations(taken, 2) if _may_be_tried(Pair(pair), pool)]
-    left = {pair: _left(base, taken, sorted(pair)) for pair in pairs}
+    pairs = map(Pair, combinations(taken, 2))
+    left = {pair: _left(base, taken, sorted(pair)) for pair in pairs if _may_be_tried(pair, pool)}
     return dict(sorted(left.items(), key=lambda one: one[1]))
 
 
