@@ -64,7 +64,8 @@ class Recording:
     was mended on reading. `recorded` (bool, shape (n,), None for all) says which samples are no
     fillings, `read` which of them have a reading that counts.
     `reading_age` is how old the first reading is where the sensor converts on a clock of its own;
-    `part` says that it is a stretch of what was recorded. Raises MicrogripperError naming the
+    `part` says that it is a stretch of what was recorded, `skipped` how long after the beginning of
+    that it begins. Raises MicrogripperError naming the
     recording on bad samples.
     """
 
@@ -79,6 +80,7 @@ class Recording:
     read: Mask | None = None
     reading_age: float = 0.0  # s
     part: bool = False
+    skipped: float = 0.0  # s
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.sample_period) and self.sample_period > 0.0):
@@ -111,6 +113,7 @@ class Recording:
             read=None if self.read is None else self.read[part],
             reading_age=self.reading_age + before,
             part=True,
+            skipped=self.skipped + before,
         )
 
     @property

@@ -76,6 +76,23 @@ def test_a_right_model_needs_nothing(paper: Model) -> None:
     assert found.gap.noise_floor == pytest.approx(NOISE, rel=0.03)
 
 
+def clipped(recording: Recording) -> Recording:
+    return replace(recording, displacement=np.minimum(recording.measured, 16e-6))
+
+
+def test_what_a_clipped_sensor_makes_of_a_right_model_is_no_contact(paper: Model) -> None:
+    found = diagnose(paper, [clipped(record(paper, 9.0, 1))], [clipped(record(paper, 9.0, 2))])
+    assert (found.verdict, found.effects) == (UNKNOWN, ())
+    assert sum(line.endswith("they look clipped") for line in found.warnings) == 2
+
+
+def test_a_stop_that_clips_without_noise_is_still_looked_for(paper: Model) -> None:
+    voltage = course(9.0, 1)
+    rig = paper.with_link("saturation", high=100.0)
+    said = Recording("run", PERIOD, voltage, simulate(rig, voltage, PERIOD))
+    assert diagnose(paper, [said]).effects == ("saturation",)
+
+
 def test_a_mistuned_model_is_fitted_again(paper: Model, mistuned: Callable[[Model], Model]) -> None:
     found = diagnose(mistuned(paper), [record(paper, 9.0, 1)], [record(paper, 9.0, 2)])
     assert (found.verdict, found.effects) == (PARAMETERS, ())

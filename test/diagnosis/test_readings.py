@@ -55,6 +55,15 @@ def test_clipped_readings_are_flagged() -> None:
     assert "run.csv" in line
 
 
+def test_readings_that_fast_turns_clip_a_few_at_a_time_do_not_count() -> None:
+    fast = 75.0 + 70.0 * np.sin(2.0 * np.pi * 23.0 * T)
+    noise = 15e-9 * np.random.default_rng(5).standard_normal(len(T))
+    recording, (line,) = checked(np.minimum(1e-7 * fast + noise, 1.35e-5), fast)
+    assert line.endswith("they look clipped and do not count")
+    assert recording.read is not None
+    assert not np.any(recording.read[recording.measured == 1.35e-5])
+
+
 def test_stale_readings_are_flagged() -> None:
     stale = readings(15e-9)
     for start in range(300, 3900, 400):
@@ -103,24 +112,30 @@ def test_a_staircase_without_noise_counts() -> None:
 
 
 @pytest.mark.parametrize(("verdict", "asked"), [("effects", 1), ("unknown", 1), ("parameters", 2)])
+@pytest.mark.parametrize(("noise", "silent"), [(15e-9, False), (1e-14, True)])
 def test_dead_readings_count_where_nothing_else_is_found(
-    verdict: str, asked: int, monkeypatch: pytest.MonkeyPatch
+    verdict: str, asked: int, noise: float, silent: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A sensor that stands still is a gap of its own, and no effect of the library."""
+    """A sensor that stands still is a gap of its own, and no effect of the library.
+
+    Without noise a rig may stand still as well, and effects are tried on that.
+    """
     module = import_module("microgripper_control.diagnosis.diagnose")
     stale = readings(15e-9)
     stale[300:500] = stale[300]
     given = Recording("run.csv", 1e-3, VOLTAGE, stale)
-    counted, told = [], []
+    counted, told, untried = [], [], []
 
     def diagnosed(
         nominal: Model, whole: Evidence, warnings: list[str], *rest: object
     ) -> SimpleNamespace:
         counted.append(bool(whole.fitted[0].counting[400]))
         told.append(warnings[0].endswith(" do not count"))
-        return SimpleNamespace(verdict=verdict)
+        untried.append(rest[-1])
+        return SimpleNamespace(verdict=verdict, gap=SimpleNamespace(noise_floor=noise))
 
     monkeypatch.setattr(module, "_diagnosed", diagnosed)
     module.diagnose(nominal_model(), [given])
     assert counted == [False, True][:asked]
     assert told == [True, False][:asked]
+    assert untried == [(), () if silent else module.candidate_names()][:asked]

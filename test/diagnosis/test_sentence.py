@@ -209,6 +209,18 @@ def test_parameters_that_moved_are_named_and_undetermined_ones_are_not() -> None
     assert "from 90 nm to 17 nm" in said
 
 
+def test_a_parameter_that_was_zero_is_told_first() -> None:
+    d = PAPER.value("bouc_wen", "d")
+    given = PAPER.with_values({("bouc_wen", "gamma"): 0.0})
+    changes = {
+        ("bouc_wen", "d"): Setting(1.091 * d, (1.08 * d, 1.10 * d)),
+        ("bouc_wen", "gamma"): Setting(-0.0227, (-0.0228, -0.0226)),
+    }
+    refit = given.with_settings(changes)
+    said = sentence(PARAMETERS, [], GAP, given, refit, [], [], SCALES)
+    assert "The model's parameters are off, and nothing else: gamma from 0 to -0.023, d by" in said
+
+
 def test_parameters_of_one_name_are_told_apart() -> None:
     lags = PAPER.with_link("amplifier_lag").with_link("sensor_lag", curvature=0.1)
     changes = {

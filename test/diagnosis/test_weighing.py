@@ -12,6 +12,7 @@ import pytest
 from microgripper_control.diagnosis.answers.answer import (
     ambiguous,
     by_importance,
+    candidates,
     chosen,
     rivals,
     verdict,
@@ -58,6 +59,27 @@ def facts(nominal: float, refit: float, **tried: float) -> Facts:
 def alike(error: float) -> Left:
     """The same error, nm, on the judging and on the fitted samples."""
     return Left(error * NM, error * NM)
+
+
+def test_a_candidate_is_noted_for_the_values_that_it_shows() -> None:
+    """A play by itself runs into its bound; beside the delay that is there as well, it does not."""
+    evidence = SimpleNamespace(
+        grid=NO_GRID, scales=SCALES, rounded=False, nominal=nominal_model(), fitted=()
+    )
+    play = registry()["backlash"].parameter("play")
+    bound = registry()["backlash"].plausible(SCALES).get("play", (play.low, play.high))[1]
+    noise = (15.0 * NM * np.random.default_rng(2).standard_normal(2000),)
+    nothing = Trial(nominal_model(), (), (), 90.0 * NM, noise)
+    alone = Trial(nominal_model().with_link("backlash", play=bound), (), (), 20.0 * NM, noise)
+    pool = Pool(evidence, nothing, nothing)  # type: ignore[arg-type]
+    both = frozenset(["backlash", "transport_delay"])
+    pool.tried = {frozenset(["backlash"]): alone, both: alone}
+    model = nominal_model().with_link("backlash", play=6e-7).with_link("transport_delay")
+    for shown, noted in ((model, False), (nominal_model(), True)):
+        found = candidates({both: 1.0}, pool, sorted(both), [], shown)
+        (own,) = (candidate for candidate in found if candidate.effect == "backlash")
+        assert (own.parameters["play"].value == bound) == noted
+        assert ("play at its bound" in own.note) == noted
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from planted_residuals import (
     planted,
     staircase,
 )
-from scipy.signal import lfilter
+from scipy.signal import butter, lfilter
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
@@ -235,3 +235,125 @@ def test_a_line_is_placed_as_closely_as_its_spectrum_shows() -> None:
         line = on("frequency_Hz", locate([replace(planned, recording=recording)], NOISE))
         assert 0.0 <= line.low < frequency < line.high
         assert line.high - line.low >= 1.0 / time[-1]
+
+
+def ramps_with_rests() -> tuple[Array, Array]:
+    """Up, rest, down, rest, half a second each: the voltage, and the time since it last moved."""
+    up, rest = np.linspace(0.0, 150.0, 500, endpoint=False), np.full(500, 150.0)
+    voltage = np.tile(np.concatenate([up, rest, 150.0 - up, 0.0 * rest]), 27)
+    index = np.arange(len(voltage))
+    moved = np.diff(voltage, prepend=voltage[0]) != 0.0
+    return voltage, PERIOD * (index - np.maximum.accumulate(np.where(moved, index, 0)))
+
+
+def test_a_share_is_one_of_the_whole_gap() -> None:
+    """Most of it lies elsewhere than where the axis has a value."""
+    voltage, since = ramps_with_rests()
+    rises = np.diff(voltage, prepend=voltage[0]) > 0.0
+    white = np.random.default_rng(1).standard_normal(len(voltage))
+    while_moving = np.where(since == 0.0, 100e-9, np.where(since <= 0.05, 120e-9, 0.0))
+    found = locate([planted(voltage, while_moving * white)], NOISE)
+    assert not {"hold_time_s"} & {one.axis for one in found}
+    at_rest = np.where(rises, 60e-9, np.where(since > 0.0, 150e-9, 0.0))
+    found = locate([planted(voltage, at_rest * white)], NOISE)
+    assert not {"direction"} & {one.axis for one in found}
+    mostly_rising = np.where(rises, 200e-9, np.where(since > 0.0, 60e-9, 0.0))
+    residual = planted(voltage, mostly_rising * white)
+    power = residual.error**2 - NOISE**2
+    share = np.sum(power[rises & residual.counted]) / np.sum(power[residual.counted])
+    assert 0.7 < share < 0.9
+    assert on("direction", locate([residual], NOISE)).share_of_gap == pytest.approx(share, abs=0.01)
+
+
+@pytest.mark.parametrize("cycles", [18, 20, 40, 60])
+def test_a_direction_is_found_whatever_the_number_of_cycles(cycles: int) -> None:
+    phase = np.arange(1000 * cycles) % 1000 / 1000.0
+    voltage = 300.0 * np.minimum(phase, 1.0 - phase)
+    rises = np.diff(voltage, prepend=0.0) > 0.0
+    white = np.random.default_rng(1).standard_normal(len(voltage))
+    residual = planted(voltage, 150e-9 * rises * white)
+    found = locate([replace(residual, counted=np.ones(len(voltage), bool))], NOISE)
+    assert on("direction", found).low == 1.0
+
+
+def test_a_jump_in_a_piece_is_timed_from_the_beginning_of_the_recording() -> None:
+    voltage = loops(60_000)
+    lost = slice(20_000, 22_000)
+    recorded = np.ones(len(voltage), bool)
+    recorded[lost] = False
+    voltage[lost] = voltage[lost.start]
+    slip = np.where(time_of(voltage) >= 45.0, 400e-9, 0.0)
+    shown = motion(voltage) + slip + NOISE * np.random.default_rng(0).standard_normal(60_000)
+    whole = Recording("run", PERIOD, voltage, shown, start=1.7e9, recorded=recorded)
+    pieces = [whole.stretch(slice(0, lost.start)), whole.stretch(slice(lost.stop, None))]
+    left = []
+    for piece in pieces:
+        first = round((piece.start - whole.start) / PERIOD)
+        error = piece.measured - motion(voltage)[first : first + len(piece)]
+        left.append(Residual(piece, error - error.mean(), np.ones(len(piece), bool)))
+    found = on("time_s", locate(left, NOISE))
+    assert (found.low, found.high) == pytest.approx((45.0, 60.0), abs=0.2)
+
+
+def not_counting(residual: Residual, part: slice, readings: Array) -> Residual:
+    """The same with some readings that do not count in the place of others."""
+    shown, read = residual.recording.measured.copy(), np.ones(len(residual.error), bool)
+    shown[part], read[part] = readings, False
+    said = residual.recording.measured - residual.error
+    recording = replace(residual.recording, displacement=shown, read=read)
+    return Residual(recording, shown - said, residual.counted & read)
+
+
+@pytest.mark.parametrize(("slow", "drifts"), [(True, True), (False, None)])
+def test_readings_that_do_not_count_make_no_drift_and_hide_none(
+    slow: bool, drifts: bool | None
+) -> None:
+    voltage = loops(30_000)
+    time = time_of(voltage)
+    course = 4e-7 * (1.0 - np.exp(-time / 20.0))
+    residual = planted(voltage, course if slow else 60e-9 * np.sin(2.0 * np.pi * 3.0 * time))
+    residual = replace(residual, counted=np.ones(len(voltage), bool))
+    part = slice(700, 6700)
+    stale = not_counting(residual, part, np.full(6000, residual.recording.measured[700]))
+    for one in (residual, stale):
+        signs = {sign.effect: sign.agrees for sign in signatures([one], NOISE)}
+        assert signs.get("thermal_drift") == drifts
+        slowest = [p for p in locate([one], NOISE) if p.axis == "frequency_Hz" and p.low == 0.0]
+        assert bool(slowest) == slow
+
+
+def pressed(rate: float) -> Residual:
+    """Beyond 12 um something pushes back; what a straight line takes of it is taken off."""
+    count = round(20.0 * rate)
+    time = np.arange(count) / rate
+    voltage = 75.0 * (1.0 - np.linspace(1.0, 0.5, count) * np.cos(2.0 * np.pi * 0.35 * time))
+    way = motion(voltage)
+    push = -0.1 * np.maximum(way - 12e-6, 0.0)
+    line = np.stack([way, np.ones(count)], axis=1)
+    push = push - line @ np.linalg.lstsq(line, push, rcond=None)[0]
+    error = push + NOISE * np.random.default_rng(0).standard_normal(count)
+    return Residual(Recording("r", 1.0 / rate, voltage, way + error), error, np.ones(count, bool))
+
+
+@pytest.mark.parametrize("rate", [1e3, 5e3, 20e3])
+def test_a_bend_is_found_at_any_rate(rate: float) -> None:
+    found = on("displacement_m", locate([pressed(rate)], NOISE))
+    assert found.low == pytest.approx(12.0e-6, abs=0.1e-6)
+
+
+def test_a_burst_that_does_not_count_neither_hides_a_bend_nor_ends_its_range() -> None:
+    residual = pressed(1e3)
+    part = slice(4246, 4326)  # about an upper turn
+    burst = 5e-6 * np.random.default_rng(9).standard_normal(80)
+    wild = not_counting(residual, part, residual.recording.measured[part] + burst)
+    found = on("displacement_m", locate([wild], NOISE))
+    assert found.low == pytest.approx(12.0e-6, abs=0.1e-6)
+    assert found.high == np.max(wild.position[wild.counted])
+
+
+def test_no_band_ends_beyond_what_the_sampling_shows() -> None:
+    fast = lfilter(
+        *butter(2, [0.5, 0.98], "band"), np.random.default_rng(2).standard_normal(20_000)
+    )
+    found = on("frequency_Hz", locate([planted(loops(), 120e-9 * fast)], NOISE))
+    assert 200.0 < found.low < found.high == 500.0

@@ -137,6 +137,7 @@ def candidates(
     for name in names:
         trial = pool.tried.get(frozenset([name]))
         left = removable(trial.rmse, pool.noise_floor) if trial else gap
+        settings = _values(name, trial, model)
         found.append(
             Candidate(
                 effect=name,
@@ -144,10 +145,10 @@ def candidates(
                 probability=answer[name],
                 present=present[name],
                 rmse=trial.rmse if trial else None,
-                parameters=_values(name, trial, model),
+                parameters=settings,
                 share=max(0.0, 1.0 - left / gap) if gap > 0.0 else 0.0,
                 signatures=tuple(s for s in signatures if s.effect == name),
-                note=_note(name, pool),
+                note=_note(name, settings, pool),
             )
         )
     return tuple(sorted(found, key=lambda candidate: -candidate.probability))
@@ -172,14 +173,14 @@ def rivals(weighed: Weighed, pool: Pool) -> list[Trial]:
     return [trials[e] for e in near[:MOST_RIVALS]]
 
 
-def _note(name: str, pool: Pool) -> str:
-    trial = pool.tried.get(frozenset([name]))
-    if trial is None:
+def _note(name: str, settings: Mapping[str, Setting], pool: Pool) -> str:
+    """Which of the values shown stand at a bound, or why there are none."""
+    if not settings:
         return pool.failures.get(name, "")
     bounds = []
     limits = limits_of(pool.evidence, [name])
     for parameter in registry()[name].parameters:
-        value = trial.model.value(name, parameter.name)
+        value = settings[parameter.name].value
         for bound in limits.get((name, parameter.name), (parameter.low, parameter.high)):
             near = abs(value - bound) <= AT_BOUND * max(abs(bound), abs(value))
             if parameter.fitted and near and bound != parameter.vanishing:

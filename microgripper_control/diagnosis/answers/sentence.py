@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
@@ -157,17 +158,27 @@ def _moved(nominal: Model, model: Model) -> str:
         for name, before in settings.items():
             after = model.settings[link][name]
             low, high = after.interval or (after.value, after.value)
-            change = (after.value - before.value) / abs(before.value) if before.value else 0.0
+            change = _share_of(before.value, after.value - before.value)
             if abs(change) >= MOVED and not low <= before.value <= high:
                 changes[link, name] = change
     most = sorted(changes, key=lambda key: -abs(changes[key]))[:MOST_MOVED]
     if not most:
         return "The model's parameters are a little off, and nothing else."
-    said = [
-        f"{title(key)} by {'+' if changes[key] > 0.0 else ''}{percent(changes[key])}"
-        for key in most
-    ]
-    return f"The model's parameters are off, and nothing else: {', '.join(said)}."
+    said = ", ".join(f"{title(key)} {_by(changes[key], model.value(*key))}" for key in most)
+    return f"The model's parameters are off, and nothing else: {said}."
+
+
+def _share_of(before: float, change: float) -> float:
+    """A change in proportion to what was there; of nothing, any is infinitely much."""
+    if before == 0.0:
+        return math.copysign(math.inf, change) if change else 0.0
+    return change / abs(before)
+
+
+def _by(change: float, value: float) -> str:
+    if math.isinf(change):
+        return f"from 0 to {number(value)}"
+    return f"by {'+' if change > 0.0 else ''}{percent(change)}"
 
 
 def _unexplained(gap: Gap, where: Sequence[Range], floor: str, slow_gain: bool) -> str:

@@ -17,6 +17,7 @@ BLOCKS = 40  # of all judging samples together
 DRAWS = 1000
 SEED = 20260101
 LEVEL = 0.95
+HELD = 0.1  # of the gap's power: a draw that holds less has nothing to close
 
 
 def closed_fraction(refit: float, augmented: float, floor: float) -> float:
@@ -33,11 +34,13 @@ def closed_interval(
     rng = np.random.default_rng(SEED)
     drawn = rng.integers(0, len(before), (DRAWS, len(before)))
     total = counts[drawn].sum(axis=1)
+    least = HELD * removable(float(np.sqrt(before.sum() / counts.sum())), floor) ** 2
     values = [
         closed_fraction(float(np.sqrt(b)), float(np.sqrt(a)), floor)
         for b, a in zip(
             before[drawn].sum(axis=1) / total, after[drawn].sum(axis=1) / total, strict=True
         )
+        if b - floor**2 >= least or least == 0.0
     ]
     low, high = np.quantile(values, [(1.0 - LEVEL) / 2.0, (1.0 + LEVEL) / 2.0])
     return float(low), float(high)

@@ -104,7 +104,7 @@ def _total(rows: Sequence[slice]) -> int:
 def _rows_of_equals(recording: Recording) -> tuple[list[slice], bool]:
     """Rows of readings that repeat the one before and that the voltage does not explain.
 
-    With them comes whether hardly any others repeat the one before.
+    With them comes whether hardly any others repeat the one before, but at the ends of the range.
     """
     x, u = recording.measured, recording.voltage
     change = np.flatnonzero(np.diff(x) != 0.0)
@@ -117,7 +117,8 @@ def _rows_of_equals(recording: Recording) -> tuple[list[slice], bool]:
     # The voltage must go on moving: one step shows after as many samples as the rig is late.
     goes_on = moved[lasts] - moved[firsts] >= LONGEST
     dead = lasts - firsts >= DEAD
-    others = int(np.sum((lasts - firsts)[~dead]))
+    at_an_end = np.isin(x[firsts], (np.min(x), np.max(x)))  # a fast turn clips a few at a time
+    others = int(np.sum((lasts - firsts)[~(dead | at_an_end)]))
     alone = others <= SELDOM * len(x)
     rows = []
     for at in np.flatnonzero(goes_on | (dead & alone)):

@@ -50,6 +50,12 @@ class Residual:
         return self.recording.measured - self.zero
 
     @property
+    def foretold(self) -> Residual:
+        """The same as if the sensor had shown what the model says: the way without noise."""
+        said = replace(self.recording, displacement=self.recording.measured - self.error)
+        return replace(self, recording=said)
+
+    @property
     def moves(self) -> Mask:
         """The samples that came with a change of voltage, shape (n,)."""
         change = np.abs(np.diff(self.recording.voltage, prepend=self.recording.voltage[0]))
@@ -82,6 +88,17 @@ class Residual:
                 way, turned, extreme, turns = -way, extreme, x, turns + 1
             direction[k], travel[k] = way, abs(x - turned) / stroke
         return Turning(direction, travel, turns)
+
+    def means(self, size: int) -> Array:
+        """Of each row of `size` samples the mean error of those whose reading counts, m.
+
+        NaN where there is none.
+        """
+        rows = len(self.error) // size
+        counts = self.recording.counting[: rows * size].reshape(rows, size)
+        error = np.where(counts, self.error[: rows * size].reshape(rows, size), 0.0)
+        known = counts.sum(axis=1)
+        return np.where(known > 0, error.sum(axis=1) / np.maximum(known, 1), np.nan)
 
     def runs(self, shortest: int) -> list[slice]:
         """The stretches of counted samples without a gap, of at least `shortest` samples."""

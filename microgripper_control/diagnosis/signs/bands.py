@@ -25,7 +25,6 @@ OWN_LINE = 3.0  # the same of a line
 HARMONICS = 15  # of the motion's main frequency that are not taken for peaks
 MOST_PEAKS = 8  # that are looked at
 LENGTHS = (400, 1600, 6400)  # samples of a stretch, to see broad resonances and narrow ones by
-LINE = 0.5  # Hz, on each side: the range of a line
 CONTRAST = 12.0  # of a peak over its neighbourhood, at least
 NEIGHBOURS = 12.0  # resolutions: how wide the neighbourhood is
 WORTH = 0.08  # of the gap: what a peak holds at least,
@@ -179,7 +178,7 @@ def _peak(spectrum: Spectrum, density: Array, around: Array, at: int, contrast: 
     inside = slice(max(0, at - lobe), at + lobe + 1)
     power = float(np.sum(np.maximum(density[inside] - around[inside], 0.0))) * step
     if line:
-        half_width = max(min(LINE, 0.5 * float(centre)), 0.5 * spectrum.resolution)
+        half_width = 0.5 * spectrum.resolution
         low, high = max(0.0, float(centre) - half_width), float(centre) + half_width
     else:
         low, high = float(frequency[first]), float(frequency[last])
@@ -211,15 +210,16 @@ def _broad(spectrum: Spectrum, noise: float, total: float) -> list[Band]:
         return []
     narrow, first, last = best
     share = min(1.0, float(gap[first:last].sum()) / total)
-    return [Band(Range("frequency_Hz", edges[first], edges[last], share), narrow)]
+    high = min(edges[last], float(spectrum.frequency[-1]))
+    return [Band(Range("frequency_Hz", edges[first], high, share), narrow)]
 
 
 def slow_share(residuals: Sequence[Residual], noise: float) -> float:
     """How much of the gap is slower than SLOW and no function of the voltage, 0 .. 1.
 
     A recording counts where a slow course leaves much less than a loop over the voltage. The course
-    is fitted on all of its samples, as a block is shorter than what is looked for, and bends less
-    often than the voltage turns: any loop would pass for one that bends as often.
+    is fitted on all readings that count, as a block is shorter than what is looked for, and bends
+    less often than the voltage turns: any loop would pass for one that bends as often.
     """
     gap = gap_energy(residuals, noise)
     taken = 0.0
@@ -227,19 +227,21 @@ def slow_share(residuals: Sequence[Residual], noise: float) -> float:
         if SLOW * residual.recording.duration < 1.0:
             continue  # whatever it is, it is faster
         size = max(1, len(residual.error) // 1000)
-        count = len(residual.error) // size
-        means = residual.error[: count * size].reshape(count, size).mean(axis=1)
-        drive = _branches(residual.recording.voltage)[: count * size : size]
+        means = residual.means(size)
+        count, seen = len(means), np.isfinite(means)
+        means = means[seen]
+        drive = _branches(residual.recording.voltage)[: count * size : size][seen]
         bends = min(
             round(2.0 * SLOW * residual.recording.duration), residual.turning.turns // 2, count // 4
         )
-        place = (np.arange(count) + 0.5) * np.pi / count
+        place = (np.flatnonzero(seen) + 0.5) * np.pi / count
         courses = np.cos(np.outer(place, np.arange(1, max(2, bends) + 1)))
         alone = _left(means, courses)
         driven = _left(means, drive)
         found = float(np.sum((means - means.mean()) ** 2)) - alone
         if alone < BETTER * driven:
-            taken += found * size * float(residual.counted.mean())
+            judged = residual.counted.sum() / residual.recording.counting.sum()
+            taken += found * size * float(judged)
     return float(np.clip(taken / gap, 0.0, 1.0)) if gap > 0.0 else 0.0
 
 

@@ -33,7 +33,8 @@ def growth_in_holds(residuals: Sequence[Residual], after: float) -> Growth | Non
             before = max(0, hold.start - max(2, round(after / residual.period)))
             predicted = residual.recording.measured - residual.error
             step = float(predicted[hold.stop - 1] - predicted[before])
-            late = np.arange(hold.start, hold.stop)[still[hold] >= after]
+            seen = residual.recording.counting[hold]
+            late = np.arange(hold.start, hold.stop)[seen & (still[hold] >= after)]
             if len(late) < 20 or abs(step) < SMALLEST * float(np.ptp(predicted)):
                 continue
             decades = np.log10(still[late])

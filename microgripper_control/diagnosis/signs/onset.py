@@ -94,7 +94,7 @@ def find_onset(residuals: Sequence[Residual], pick: Pick, noise: float) -> Onset
         best = max(found, key=lambda onset: onset.explained, default=best)
     if isinstance(best, NoOnset):
         return best
-    signals = [pick(residual) for residual in residuals]
+    signals = [pick(residual)[residual.recording.counting] for residual in residuals]
     if best.low == best.place:
         return replace(best, high=max(float(np.max(signal)) for signal in signals))
     return replace(best, low=min(float(np.min(signal)) for signal in signals))
@@ -131,7 +131,8 @@ def _differences(residuals: Sequence[Residual], pick: Pick, low: float, high: fl
     stride = 1 + sum(len(residual.error) for residual in residuals) // MOST
     for number, residual in enumerate(residuals):
         signal = pick(residual)
-        speed = float(np.mean(np.abs(np.diff(signal))))
+        # At a high rate the readings go farther from noise than with the motion.
+        speed = float(np.mean(np.abs(np.diff(pick(residual.foretold)))))
         furthest = max(1, len(signal) // LONGEST)
         apart = int(np.clip(TRAVEL * (high - low) / max(speed, 1e-30), 1, furthest))
         for run in residual.runs(apart + 2):

@@ -9,7 +9,7 @@ part of the spectrum where the voltage has little (see `bands`). What could be c
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,7 +27,8 @@ ONE_WAY = 1.6  # the same where a direction can have no more than twice its shar
 SAME = 1e-6  # of the range of the values: what lies closer together is one value
 RAREST = (0.98, 0.99, 0.997)  # quantiles that finer bins begin at where the largest values matter
 FEWEST = 1000  # samples
-PIECES = 40  # that the samples are cut into; every second one confirms
+PIECES = 40  # that the samples are cut into; every second one confirms,
+GOLDEN = 0.618  # and they are uneven: as many as cycles, or half cycles, would always show the same
 RECENT = 0.01  # s: how far back a fast change of the voltage counts
 AFTER = 0.1  # s after a step: what is slower than this is no swinging any more
 SLIPPED = 0.6  # of the slow error's squares: what one jump explains at least
@@ -113,7 +114,8 @@ def _concentrated(
         return []
     run, share, concentration = best
     low, high = float(edges[run.start]), float(edges[run.stop])
-    return [_Found(Range(axis, low, high, share), concentration)]
+    found = _Found(Range(axis, low, high, share), concentration)
+    return _of_all(found, float(np.sum(power)), residuals, noise)
 
 
 def _one_way(residuals: Sequence[Residual], noise: float) -> list[_Found]:
@@ -126,7 +128,22 @@ def _one_way(residuals: Sequence[Residual], noise: float) -> list[_Found]:
         return []
     run, share, concentration = best
     way = -1.0 if run.start == 0 else 1.0
-    return [_Found(Range("direction", way, way, share), concentration)]
+    found = _Found(Range("direction", way, way, share), concentration)
+    return _of_all(found, float(np.sum(power)), residuals, noise)
+
+
+def _of_all(
+    found: _Found, power: float, residuals: Sequence[Residual], noise: float
+) -> list[_Found]:
+    """A range of samples that hold so much, m^2, of the gap, as one of all: with a share of that.
+
+    None where it then holds too little: a gap at rest lies on no direction.
+    """
+    part = min(1.0, power / gap_energy(residuals, noise))
+    share = part * found.place.share_of_gap
+    if share < MOST:
+        return []
+    return [_Found(replace(found.place, share_of_gap=share), part * found.concentration)]
 
 
 def _powers(pick: Pick, residuals: Sequence[Residual], noise: float) -> tuple[Array, Array]:
@@ -149,7 +166,8 @@ def _confirmed(
     if count < 2 or np.sum(power) <= 0.0:
         return None
     bin_of = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, count - 1)
-    piece = np.arange(len(values)) * PIECES // len(values) % 2
+    ends = np.sort(GOLDEN * np.arange(1, PIECES) % 1.0) * len(values)
+    piece = np.searchsorted(ends, np.arange(len(values)), side="right") % 2
     shares, sizes = np.empty((2, count)), np.empty((2, count))
     for half in (0, 1):
         of_half = piece == half
@@ -241,12 +259,13 @@ def _slipped(residuals: Sequence[Residual], noise: float) -> list[_Found]:
     total = gap_energy(residuals, noise)
     for residual in residuals:
         size = max(1, len(residual.error) // 400)
-        error = residual.error[: len(residual.error) // size * size].reshape(-1, size).mean(axis=1)
-        jump = _jump(error - error.mean())
+        means = residual.means(size)
+        seen = np.flatnonzero(np.isfinite(means))
+        jump = _jump(means[seen] - means[seen].mean())
         if jump is None:
             continue
-        time = residual.period * np.arange(len(residual.error))
-        low, high = jump * size * residual.period, float(time[-1])
+        time = residual.recording.skipped + residual.recording.elapsed
+        low, high = float(time[seen[jump] * size]), float(time[-1])
         inside = residual.counted & (time >= low)
         power = residual.error[inside] ** 2 - noise**2
         share = float(np.clip(np.sum(power) / total, 0.0, 1.0))
