@@ -27,6 +27,7 @@ class Range:
     high: float
     share_of_gap: float
     bend: float | None = None  # the end of it at which the error takes another slope, if it does
+    recording: str = ""  # of several the one in which a time lies
 
 
 @dataclass(frozen=True)

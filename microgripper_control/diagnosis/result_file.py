@@ -8,7 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from microgripper_control.core.files import written_whole
-from microgripper_control.diagnosis.findings import Candidate, Diagnosis, Gap, NextExperiment
+from microgripper_control.diagnosis.findings import (
+    Candidate,
+    Diagnosis,
+    Gap,
+    NextExperiment,
+    Range,
+)
 from microgripper_control.effects.registry import registry
 from microgripper_control.plant.model import Setting
 
@@ -27,10 +33,7 @@ def as_json(found: Diagnosis, folder: Path) -> dict[str, Any]:
         "candidates": [_candidate(candidate) for candidate in found.candidates],
         "stages": dict(found.stages),
         "gap": _gap(found.gap),
-        "where": [
-            {"axis": r.axis, "low": r.low, "high": r.high, "share_of_gap": r.share_of_gap}
-            for r in found.where
-        ],
+        "where": [_range(one) for one in found.where],
         "ambiguous": [list(group) for group in found.ambiguous],
         "shares": dict(found.shares),
         "next_experiment": _experiment(found.next_experiment, folder),
@@ -47,6 +50,17 @@ def write_result(found: Diagnosis, folder: Path) -> None:
     with written_whole(folder / RESULT) as file:
         json.dump(as_json(found, folder), file, indent=2, allow_nan=False)
         file.write("\n")
+
+
+def _range(found: Range) -> dict[str, Any]:
+    own = {"recording": found.recording} if found.recording else {}
+    return {
+        "axis": found.axis,
+        "low": found.low,
+        "high": found.high,
+        "share_of_gap": found.share_of_gap,
+        **own,
+    }
 
 
 def _candidate(candidate: Candidate) -> dict[str, Any]:

@@ -7,7 +7,8 @@ from none and from a large one. How far the two are apart is what it can do: it 
 well, and vanishes as the rig moves.
 
 So a window does not show what is slower than itself, a drift or creep over minutes. A diagnosis of
-a longer recording does.
+a longer recording does. Nor does it show what the sensor could make of a right model: rounding, and
+an age of the readings that is not known where the sensor converts on a clock of its own.
 """
 
 from __future__ import annotations
@@ -57,12 +58,16 @@ class RunningGap:
         self._span = high - low
         self._large = model.value("bouc_wen", "alpha") * model.value("bouc_wen", "d") * self._span
         self._model = model
-        # Predictions leave out what is random: each recording has its own.
-        self._predicting = model.without([link.name for link in model.links if link.random])
+        # Predictions leave out what is random, and rounding: nobody foretells either.
+        random = [link.name for link in model.links if link.random]
+        self._predicting = model.without([*random, *model.rounding])
+        self._rounding = max(
+            (model.value(name, "resolution") for name in model.rounding), default=0.0
+        ) / math.sqrt(12.0)
         self._period = sample_period
         self._unanswered = max(10, math.ceil(UNANSWERED / sample_period))
-        # By sample: tick, voltage, error, and what the hysteresis before can do.
-        self._window = Sliding(max(FEWEST, round(window / sample_period)), 4)
+        # By sample: tick, voltage, place, error, and what the hysteresis before can do.
+        self._window = Sliding(max(FEWEST, round(window / sample_period)), 5)
         self._plants: tuple[Plant, Plant] | None = None
         self._first = self._newest = 0  # ticks
         self._voltage = 0.0
@@ -90,13 +95,13 @@ class RunningGap:
         if not (abs(error) < FARTHEST and abs(apart) < FARTHEST):
             self.restart()
         elif tick - self._first >= self._unanswered:
-            self._window.append((tick, voltage, error, apart))
+            self._window.append((tick, voltage, simulated, error, apart))
 
     def reading(self) -> Reading | None:
         """The newest window; None until it is full."""
         if not self._window.is_full:
             return None
-        tick, voltage, error, remembered = self._window.columns
+        tick, voltage, place, error, remembered = self._window.columns
         before = float(np.ptp(remembered))
         shapes = self._courses((tick - tick[0]) * self._period)
         if before > FORGOTTEN * self._large:
@@ -106,10 +111,14 @@ class RunningGap:
         return Reading(
             gap=gap,
             # A sample that is missing here and there makes the next one little harder to predict.
-            noise_floor=min(gap, usual_innovation(left)),
+            noise_floor=min(gap, max(usual_innovation(left), self._rounding, self._aged(place))),
             doubt=BENT * before,
             moving=bool(np.ptp(voltage) >= MOVING * self._span),
         )
+
+    def _aged(self, place: Array) -> float:
+        """What the age of a reading makes of places, m: when a sensor converts, nobody knows."""
+        return self._model.clock / self._period * float(np.sqrt(np.mean(np.diff(place) ** 2)))
 
     def _begin(self, tick: int, voltage: float) -> None:
         self._plants = (

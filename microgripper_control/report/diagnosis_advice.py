@@ -81,13 +81,17 @@ def next_experiment(diagnosis: Diagnosis) -> Html | None:
         "section",
         element("h2", "The next experiment"),
         element("p", experiment.why),
-        element("p", f"It tells apart: {listed(experiment.separates)}.")
-        if experiment.separates
-        else None,
+        element("p", _separated(experiment.separates)) if experiment.separates else None,
         figure(
             "next", "Voltage to apply", f"The samples are in {NEXT_EXPERIMENT}, beside this page."
         ),
     )
+
+
+def _separated(effects: tuple[str, ...]) -> str:
+    if len(effects) == 1:
+        return f"It tells whether {listed(effects)} is at work."
+    return f"It tells apart: {listed(effects)}."
 
 
 def warnings(diagnosis: Diagnosis) -> Html | None:
@@ -120,7 +124,7 @@ def repeating(diagnosis: Diagnosis, folder: Path, maps: Sequence[str]) -> Html:
             "Given where the diagnosis was made, each command prints the error of the final model "
             f"on one recording{_as_judged(diagnosis)}: the recording's own zero and initial state "
             "are fitted on blocks 1, 3, 5, 7, 9 of ten, the error is taken on the others."
-            f"{_if_strips(diagnosis)}{_if_parts(diagnosis)}",
+            f"{_if_strips(diagnosis)}{_if_rounded(diagnosis)}{_if_parts(diagnosis)}",
         ),
         element("pre", element("code", "\n".join(commands)), tabindex="0"),
     )
@@ -134,8 +138,21 @@ def _if_parts(diagnosis: Diagnosis) -> str:
 
 
 def _as_judged(diagnosis: Diagnosis) -> str:
-    """What the commands repeat, unless only a part of the samples judged that they count."""
-    return "" if _only_a_part(diagnosis) else ", as it was judged here"
+    """What the commands repeat, unless fewer samples judged, or without rounding."""
+    if _only_a_part(diagnosis) or _rounds(diagnosis):
+        return ""
+    return ", as it was judged here"
+
+
+def _rounds(diagnosis: Diagnosis) -> bool:
+    """Whether the final model rounds where the one that was given did not."""
+    return diagnosis.model.rounding != diagnosis.nominal.rounding
+
+
+def _if_rounded(diagnosis: Diagnosis) -> str:
+    if not _rounds(diagnosis):
+        return ""
+    return " It rounds as the sensor does, which the error told here leaves out."
 
 
 def _if_strips(diagnosis: Diagnosis) -> str:

@@ -75,7 +75,7 @@ def _over_time(
     counts: Mask,
 ) -> dict[str, Figure | None]:
     recording = judged.recording
-    bands = [*_judging_times(judged), *gap_bands(diagnosis, "time_s")]
+    bands = [*_judging_times(judged), *gap_bands(diagnosis, "time_s", recording.name)]
 
     def line(name: str, colour: str, signal: Array, **style: object) -> Figure:
         return over_time(name, colour, signal, recording.sample_period, values, **style)

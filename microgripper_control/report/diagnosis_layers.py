@@ -44,8 +44,8 @@ def layers(diagnosis: Diagnosis) -> tuple[Layer, ...]:
     )
 
 
-def gap_bands(diagnosis: Diagnosis, axis: str) -> list[Figure]:
-    """Where the gap lies on an axis."""
+def gap_bands(diagnosis: Diagnosis, axis: str, recording: str = "") -> list[Figure]:
+    """Where the gap lies on an axis, of a time in the `recording` of that name."""
     unit = AXES[axis].unit
     return [
         {
@@ -55,5 +55,5 @@ def gap_bands(diagnosis: Diagnosis, axis: str) -> list[Figure]:
             "name": span(found.low, found.high, unit, 2),
         }
         for found in diagnosis.where
-        if found.axis == axis
+        if found.axis == axis and found.recording in ("", recording)
     ]

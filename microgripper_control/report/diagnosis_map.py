@@ -47,11 +47,6 @@ def residual_map(
             "label": "voltage rate",
             "unit": "V/s",
             "ticks": _rate_ticks(grid),
-            "bands": [
-                [grid.position(found.low), grid.position(found.high)]
-                for found in diagnosis.where
-                if found.axis == "rate_V_per_s"
-            ],
         },
         "unit": "nm",
         "limit": max(limit, SMALLEST_LIMIT),

@@ -11,8 +11,9 @@ from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.answers.places import AXES, where
 from microgripper_control.diagnosis.findings import Diagnosis, Judged, Range
+from microgripper_control.diagnosis.signs.where import recent_rate
 from microgripper_control.report.markup import Html, element, joined
-from microgripper_control.report.residual_views import Holds, rate_of
+from microgripper_control.report.residual_views import Holds
 from microgripper_control.report.wording import number, scaled, unbroken
 
 LOGARITHMIC = ", log scale"
@@ -46,7 +47,7 @@ REACH: dict[str, Callable[[Judged], tuple[float, float]]] = {
     "frequency_Hz": lambda j: (1.0 / j.recording.duration, 0.5 / j.recording.sample_period),
     "displacement_m": lambda j: _ends(j.position),
     "voltage_V": lambda j: _ends(j.recording.voltage),
-    "rate_V_per_s": lambda j: _ends(rate_of(j.recording.voltage, j.recording.sample_period)),
+    "rate_V_per_s": lambda j: (0.0, float(np.max(recent_rate(j.recording)))),
     "time_s": lambda j: (0.0, j.recording.duration),
     "hold_time_s": lambda j: _holds(j.recording),
 }
@@ -85,7 +86,7 @@ def _strip(found: Range, diagnosis: Diagnosis) -> Html | None:
 
 
 def _course(found: Range, low: float) -> tuple[Callable[[float], float], str]:
-    """How the axis runs, and how that is said; rates go over decades through zero."""
+    """How the axis runs, and how that is said; rates go over decades from zero on."""
     if found.axis == "rate_V_per_s":
         knee = max(abs(found.low), abs(found.high)) / 3.0 or 1.0
         return lambda rate: math.asinh(rate / knee), LOGARITHMIC

@@ -13,6 +13,7 @@ from scipy.signal import welch
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
+from microgripper_control.diagnosis.data.residuals import STILL
 from microgripper_control.identification.nuisance import Mask
 from microgripper_control.plant.hold import Hold
 
@@ -36,11 +37,14 @@ class Spectrum:
 
 
 def spectrum(residual: Array, counts: Mask, sample_period: float) -> Spectrum:
-    """The residual's one-sided amplitude density; what does not count is set to its mean."""
+    """The residual's one-sided amplitude density, in the time that counts.
+
+    What does not count is set to its mean.
+    """
     level = np.mean(residual[counts]) if np.any(counts) else 0.0
     length = min(len(residual), LONGEST_SEGMENT, max(256, len(residual) // SEGMENTS))
     frequency, power = welch(np.where(counts, residual, level), 1.0 / sample_period, nperseg=length)
-    frequency, power = frequency[1:], power[1:]
+    frequency, power = frequency[1:], power[1:] / max(float(np.mean(counts)), 1e-9)
     band = np.floor(BANDS_PER_DECADE * np.log10(frequency / frequency[0]) + 0.5).astype(int)
     number = np.bincount(band)
     held = number > 0
@@ -128,7 +132,7 @@ class Holds:
     def of(cls, recording: Recording) -> Holds:
         """The holds of a recording that are long enough to show something."""
         change = np.diff(recording.voltage)
-        corners = np.flatnonzero(change)
+        corners = np.flatnonzero(np.abs(change) > STILL * np.max(np.abs(change)))
         lengths = np.diff(np.append(corners, len(change)))
         long = corners[lengths >= SHORTEST_HOLD]
         spans = lengths[lengths >= SHORTEST_HOLD]

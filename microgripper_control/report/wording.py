@@ -115,4 +115,5 @@ def percent(share: float, digits: int = 0) -> str:
         return "< 1\u00a0%"
     if 99.5 <= value < 100.0 and digits == 0:
         return "> 99\u00a0%"
-    return f"{value:.{digits}f}\u00a0%".replace("-", MINUS)
+    shown = round(value, digits) + 0.0  # no minus before nothing
+    return f"{shown:.{digits}f}\u00a0%".replace("-", MINUS)

@@ -136,6 +136,14 @@ def test_a_pair_that_stays_alike_does_not_hide_one_that_can_be_told() -> None:
     assert "It will hardly tell" in found.why
 
 
+def test_what_makes_no_difference_is_not_said_to_be_told_apart() -> None:
+    """A delay that the voltage does not show stays possible beside the creep."""
+    both = CREEP.with_link("transport_delay", delay=1e-6)
+    found = proposed([CREEP, both, PAPER])
+    assert "It will hardly tell creep from" in found.why
+    assert found.separates == ("creep",)
+
+
 def test_pairs_that_no_voltage_separates_are_admitted_at_once() -> None:
     slight = AMPLIFIER.with_values({("amplifier_lag", "lag"): 1e-6})
     late = LATE.with_values({("transport_delay", "delay"): 1e-6})

@@ -31,7 +31,7 @@ def without(first: int, last: int) -> Recording:
 def test_after_a_long_gap_a_recording_begins_anew() -> None:
     found = cut_at_gaps([without(2000, 3500)], [], AT_REST)
     before, after = found.recordings
-    assert (before.name, after.name) == ("run.csv", "run.csv from 8.5 s")
+    assert (before.name, after.name) == ("run.csv", "run.csv from 3.5 s")
     assert np.array_equal(before.voltage, VOLTAGE[:2000])
     assert np.array_equal(after.voltage, VOLTAGE[3500:])
     assert after.start == pytest.approx(8.5)
@@ -80,4 +80,4 @@ def test_readings_that_do_not_count_are_no_gap() -> None:
 def test_pieces_that_are_too_short_are_left_out() -> None:
     found = cut_at_gaps([without(100, 1600)], [], AT_REST)
     (after,) = found.recordings
-    assert after.name == "run.csv from 6.6 s"
+    assert after.name == "run.csv from 1.6 s"

@@ -68,6 +68,38 @@ def test_a_model_that_is_right_holds_whatever_was_before(
         assert readings[-1].ratio == pytest.approx(1.0, abs=0.02)
 
 
+@pytest.mark.parametrize("frequency", [0.2, 1.0])
+@pytest.mark.parametrize(("noise", "zero"), [(5e-9, 0.0), (5e-9, 0.5e-6), (100e-9, 0.5e-6)])
+@pytest.mark.parametrize(("gain", "holds"), [(1.0, True), (1.4, False)])
+def test_a_coarse_sensor_is_no_gap_and_hides_none(
+    paper: Model, frequency: float, noise: float, zero: float, gain: float, holds: bool
+) -> None:
+    """The sensor's noise is there before it rounds; its steps are 1 um."""
+    voltage = 80.0 - 70.0 * np.cos(2.0 * np.pi * frequency * TIME)
+    rig = paper.with_values({("bouc_wen", "d"): gain * paper.value("bouc_wen", "d")})
+    shown = 1e-6 * np.rint((measured(rig, voltage, noise) + zero) / 1e-6)
+    model = paper.with_link("sensor_quantization", resolution=1e-6)
+    _, watch = compare(RunningGap(model, PERIOD, 5.0), voltage, shown)
+    assert watch.judged is not None
+    assert watch.holds == holds
+
+
+@pytest.mark.parametrize(("clock", "frequency"), [(0.667e-3, 5.0), (2.5e-3, 1.0), (5e-3, 1.0)])
+@pytest.mark.parametrize(("gain", "holds"), [(1.0, True), (1.4, False)])
+def test_when_a_sensor_converts_is_no_gap(
+    paper: Model, clock: float, frequency: float, gain: float, holds: bool
+) -> None:
+    """The model's clock begins with the watch, the rig's at some other time."""
+    model = paper.with_link("sensor_lag", averaging=0.0, time_constant=0.0, clock=clock)
+    voltage = 80.0 - 70.0 * np.cos(2.0 * np.pi * frequency * TIME)
+    rig = model.with_values({("bouc_wen", "d"): gain * model.value("bouc_wen", "d")})
+    clean = simulate(rig, voltage, PERIOD, reading_age=0.4 * clock)
+    shown = clean + np.random.default_rng(1).normal(0.0, 5e-9, len(voltage))
+    _, watch = compare(RunningGap(model, PERIOD, 5.0), voltage, shown)
+    assert watch.judged is not None
+    assert watch.holds == holds
+
+
 def test_what_the_hysteresis_brought_along_is_mostly_taken_away(paper: Model) -> None:
     voltage = VOLTAGES["small after large"]
     readings, _ = compare(RunningGap(paper, PERIOD, 5.0), voltage, measured(paper, voltage, 1e-9))

@@ -144,7 +144,7 @@ def test_the_growth_of_creep_per_decade_is_read_off_the_holds() -> None:
 def test_error_after_fast_changes_alone() -> None:
     steps = np.repeat(staircase(300000)[::1500], 150)
     voltage = loops(30000) / 3.0 + np.where(np.arange(30000) // 3000 % 4 < 2, steps[:30000], 0.0)
-    late = np.where(recent_rate(planted(voltage, 0.0)) > 5e3, 3e-7, 0.0)
+    late = np.where(recent_rate(planted(voltage, 0.0).recording) > 5e3, 3e-7, 0.0)
     found = on("rate_V_per_s", locate([planted(voltage, late, odd=True)], NOISE))
     assert found.low > 300.0
     assert found.share_of_gap > 0.9

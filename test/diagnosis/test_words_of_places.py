@@ -23,6 +23,7 @@ from microgripper_control.diagnosis.findings import Range
         (Range("voltage_V", -math.inf, 20.0, 1.0), "at voltages below 20 V"),
         (Range("rate_V_per_s", 100.0, 500.0, 1.0), "while the voltage changes by 100 to 500 V/s"),
         (Range("time_s", 1.0, 9.0, 1.0), "1.0 to 9.0 s into the recording"),
+        (Range("time_s", 1.0, 9.0, 1.0, recording="b.csv"), "1.0 to 9.0 s into b.csv"),
         (Range("frequency_Hz", 49.5, 50.3, 1.0), "at frequencies of 49.5 to 50.3 Hz"),
         (Range("frequency_Hz", 12.0, 12.0, 1.0), "at frequencies of about 12 Hz"),
     ],

@@ -13,8 +13,9 @@ from browser import Elements, needs_browser, run, shown
 from diagnoses import creeping, parameters_only
 
 from microgripper_control.core.errors import MicrogripperError
-from microgripper_control.diagnosis.findings import UNKNOWN
+from microgripper_control.diagnosis.findings import UNKNOWN, Range
 from microgripper_control.report.diagnosis_figures import recording_figures
+from microgripper_control.report.diagnosis_layers import gap_bands
 from microgripper_control.report.diagnosis_page import FIGURES, write_diagnosis_report
 from microgripper_control.report.wording import MINUS
 
@@ -113,6 +114,36 @@ def test_where_a_part_judged_the_page_says_what_a_command_prints(tmp_path: Path)
     told = part.read_text(encoding="utf-8")
     assert "as it was judged here" not in told
     assert f"over all of them it is {printed[0]} nm and {printed[1]} nm." in told
+
+
+def test_of_a_model_that_rounds_no_command_repeats_what_was_judged(
+    tmp_path: Path,
+) -> None:
+    found = creeping()
+    grid = found.model.with_link("sensor_quantization", resolution=20e-9)
+    write_diagnosis_report(replace(found, model=grid), tmp_path / "report.html")
+    told = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "as it was judged here" not in told
+    assert "It rounds as the sensor does, which the error told here leaves out." in told
+
+
+def test_a_time_is_drawn_on_the_recording_that_it_is_of() -> None:
+    found = creeping()
+    later = Range("time_s", 2.0, 3.0, 0.5, recording="second run")
+    found = replace(found, where=(later,))
+    assert [len(gap_bands(found, "time_s", one.recording.name)) for one in found.judged] == [0, 1]
+
+
+def test_what_the_next_experiment_tells_reads_as_words(tmp_path: Path) -> None:
+    found = creeping()
+    assert found.next_experiment is not None
+    for names, said in (
+        (("creep",), "It tells whether creep is at work."),
+        (("creep", "friction"), "It tells apart: creep and friction."),
+    ):
+        following = replace(found.next_experiment, separates=names)
+        write_diagnosis_report(replace(found, next_experiment=following), tmp_path / "report.html")
+        assert said in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
 def test_what_each_effect_accounts_for_is_told_of_several(tmp_path: Path) -> None:

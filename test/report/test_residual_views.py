@@ -34,6 +34,15 @@ def test_white_noise_lies_on_its_density() -> None:
     assert np.mean(upper**2) ** 0.5 == pytest.approx(white_density(15e-9, T), rel=0.03)
 
 
+@pytest.mark.parametrize("share", [0.75, 0.25])
+def test_white_noise_lies_on_its_density_whatever_part_counts(share: float) -> None:
+    rng = np.random.default_rng(2)
+    counts = np.repeat(rng.uniform(size=200) < share, 100)
+    found = spectrum(15e-9 * rng.standard_normal(len(TIME)), counts, T)
+    upper = found.density[found.frequency > 20.0]
+    assert np.mean(upper**2) ** 0.5 == pytest.approx(white_density(15e-9, T), rel=0.05)
+
+
 def test_a_line_stands_at_its_frequency() -> None:
     hum = 10e-9 * np.sin(2.0 * np.pi * 50.0 * TIME)
     found = spectrum(hum, np.ones(len(TIME), bool), T)
@@ -86,6 +95,14 @@ def test_creep_after_steps_up_and_down_is_seen_with_one_sign() -> None:
     assert time[-1] == pytest.approx(4.0, rel=0.2)
     np.testing.assert_allclose(mean, 1e-9 * np.log(time / T), atol=1e-15)
     assert np.all(np.diff(mean) > 0.0)
+
+
+def test_a_voltage_rests_though_a_millivolt_of_noise_was_recorded() -> None:
+    steps = np.repeat([0.0, 100.0, 20.0, 60.0, 0.0], 4000)
+    noisy = steps + 1e-3 * np.random.default_rng(1).standard_normal(len(steps))
+    found, quiet = (Holds.of(recording(voltage)) for voltage in (noisy, steps))
+    np.testing.assert_array_equal(found.index, quiet.index)
+    np.testing.assert_array_equal(found.sign, quiet.sign)
 
 
 def test_a_voltage_that_never_rests_has_no_holds() -> None:

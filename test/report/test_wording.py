@@ -65,8 +65,8 @@ def test_a_range_has_one_unit_and_says_where_it_is_open() -> None:
 
 
 def test_a_share_that_is_not_quite_nothing_or_all_says_so() -> None:
-    shares = (0.0, 0.001, 0.5, 0.999, 1.0, math.nan)
-    texts = ["0 %", "< 1 %", "50 %", "> 99 %", "100 %", "\u2013"]
+    shares = (0.0, -3e-7, 0.001, 0.5, 0.999, 1.0, math.nan)
+    texts = ["0 %", "0 %", "< 1 %", "50 %", "> 99 %", "100 %", "\u2013"]
     assert [plain_spaces(percent(share)) for share in shares] == texts
 
 

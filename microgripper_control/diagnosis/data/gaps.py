@@ -60,11 +60,16 @@ def _pieces(recording: Recording) -> list[Recording]:
     parts = [part for part in between if _moves(recording, part)]
     if not gaps or not parts:
         return [recording]
-    pieces = [recording.stretch(part) for part in parts]
-    return [
-        piece if part.start == 0 else replace(piece, name=f"{piece.name} from {piece.start:.4g} s")
-        for part, piece in zip(parts, pieces, strict=True)
-    ]
+    return [_piece(recording, part) for part in parts]
+
+
+def _piece(recording: Recording, part: slice) -> Recording:
+    """One of the parts: what lies in it is timed from where it begins, which its name says."""
+    piece = recording.stretch(part)
+    if part.start == 0:
+        return piece
+    begins = part.start * recording.sample_period
+    return replace(piece, name=f"{piece.name} from {begins:.4g} s", skipped=0.0)
 
 
 def _moves(recording: Recording, part: slice) -> bool:

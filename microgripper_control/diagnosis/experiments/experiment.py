@@ -67,7 +67,7 @@ def next_experiment(
     best, table = max(shown, key=lambda one: _score(one[1], told))
     return NextExperiment(
         why=_why(best, table, told, known, noise),
-        separates=_separated(told, known),
+        separates=_separated(told, table, known),
         sample_period=reach.sample_period,
         voltage=best.voltage,
     )
@@ -106,9 +106,14 @@ def _score(table: Table, pairs: Sequence[Pair]) -> float:
     return min(table[pair].rms * (1.0 + pair[0]) for pair in pairs or table)
 
 
-def _separated(pairs: Sequence[Pair], rivals: Sequence[Rival]) -> tuple[str, ...]:
-    together = sorted({index for pair in pairs for index in pair})
-    return tuple(dict.fromkeys(name for index in together for name in rivals[index].effects))
+def _separated(told: Sequence[Pair], table: Table, rivals: Sequence[Rival]) -> tuple[str, ...]:
+    """The effects of the pairs that are told apart, but those that may be there or not for all."""
+    together = sorted({index for pair in told for index in pair})
+    names = dict.fromkeys(name for index in together for name in rivals[index].effects)
+    untold = [
+        set(rivals[a].effects) ^ set(rivals[b].effects) for a, b in table if (a, b) not in told
+    ]
+    return tuple(name for name in names if {name} not in untold)
 
 
 def _why(

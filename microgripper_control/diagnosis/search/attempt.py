@@ -40,6 +40,7 @@ STEPS = 9  # of a fit from a first guess, at most
 FAR_OFF = 2.0  # times what is hopeless: what leaves more is not gone on with
 CLOSE = 1.5  # times what is known: kinds of a law that leave more run no race
 LITTLE_TAKEN = 0.99  # of a part's residual: if nothing is wanting, what leaves more is no way on
+LITTLE_CLOSED = 0.9  # of the gap: a start that leaves more leads nowhere, if nothing is wanting
 FALLEN_SHORT = 1.2  # times what a guess had promised: a fit that leaves more has gone astray
 CLOSE_BEHIND = 1.2  # times what the best kind of a law leaves: another that is fitted on as well
 ROUND_STEPS = 6  # of a round of a longer fit, all derivatives fresh
@@ -140,7 +141,7 @@ def _from_all(
     alone = not added(part, anchors[0].trial)
     too_far = FAR_OFF * scrutiny.hopeless
     if alone and math.isfinite(too_far):
-        too_far = min(too_far, _left_by_nothing(anchors[0]))
+        too_far = min(too_far, _with_little_closed(anchors[0], scrutiny.known))
     # What promises much may still overshoot at first.
     limits = [too_far if guess.hoped > scrutiny.hopeless else math.inf for guess in starts]
     fits = [
@@ -191,6 +192,11 @@ def _best_judged(evidence: Evidence, found: Sequence[Trial]) -> Trial:
 def _left_by_nothing(base: Base) -> float:
     """What a fit to a part leaves, m, or more, that takes nothing away: on all it would do harm."""
     return LITTLE_TAKEN * rms([base.residual])
+
+
+def _with_little_closed(base: Base, known: float) -> float:
+    """What is left, m, where hardly more is closed of a gap that the best of the others closes."""
+    return math.hypot(known, LITTLE_CLOSED * removable(rms([base.residual]), known))
 
 
 def _carried(

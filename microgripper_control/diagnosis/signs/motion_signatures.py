@@ -59,7 +59,7 @@ def lateness_of(residuals: Sequence[Residual], noise: float) -> list[Signature]:
 
 def slew_limit(residuals: Sequence[Residual], noise: float) -> list[Signature]:
     """Error after fast changes of the voltage alone."""
-    rate = np.concatenate([recent_rate(r)[r.counted] for r in residuals])
+    rate = np.concatenate([recent_rate(r.recording)[r.counted] for r in residuals])
     power = np.concatenate([r.error[r.counted] ** 2 - noise**2 for r in residuals])
     total = float(power.sum())
     if gap_power(residuals, noise) <= REAL * noise**2 or np.ptp(rate) == 0.0:

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.data.residuals import REAL, Residual, gap_energy, gap_power
 from microgripper_control.diagnosis.findings import Range
@@ -63,7 +64,7 @@ def locate(residuals: Sequence[Residual], noise: float) -> list[Range]:
         if not taken & {"displacement_m", "voltage_V"}:
             found += _concentrated("displacement_m", _position, residuals, noise)
             found += _concentrated("voltage_V", _voltage, residuals, noise)
-        found += _concentrated("rate_V_per_s", recent_rate, residuals, noise, upwards=True)
+        found += _concentrated("rate_V_per_s", _recent_rate, residuals, noise, upwards=True)
         found += _one_way(residuals, noise)
         found += _growing(residuals, noise) or _concentrated(
             "hold_time_s", lambda residual: residual.hold_time, residuals, noise
@@ -80,14 +81,18 @@ def _voltage(residual: Residual) -> Array:
     return residual.recording.voltage
 
 
-def recent_rate(residual: Residual) -> Array:
+def _recent_rate(residual: Residual) -> Array:
+    return recent_rate(residual.recording)
+
+
+def recent_rate(recording: Recording) -> Array:
     """The fastest change of the voltage during the last RECENT seconds, V/s, shape (n,).
 
     What cannot follow a fast change is late when the change is over.
     """
-    rate = np.abs(np.diff(residual.recording.voltage, prepend=residual.recording.voltage[0]))
-    reach = max(1, round(RECENT / residual.period))
-    padded = np.concatenate([np.zeros(reach), rate / residual.period])
+    rate = np.abs(np.diff(recording.voltage, prepend=recording.voltage[0]))
+    reach = max(1, round(RECENT / recording.sample_period))
+    padded = np.concatenate([np.zeros(reach), rate / recording.sample_period])
     windows = np.lib.stride_tricks.sliding_window_view(padded, reach + 1)
     fastest: Array = windows.max(axis=1)
     return fastest
@@ -269,7 +274,8 @@ def _slipped(residuals: Sequence[Residual], noise: float) -> list[_Found]:
         inside = residual.counted & (time >= low)
         power = residual.error[inside] ** 2 - noise**2
         share = float(np.clip(np.sum(power) / total, 0.0, 1.0))
-        found.append(_Found(Range("time_s", low, high, share), JUMPS))
+        name = residual.recording.name if len(residuals) > 1 else ""
+        found.append(_Found(Range("time_s", low, high, share, recording=name), JUMPS))
     return found
 
 

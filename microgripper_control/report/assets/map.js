@@ -82,10 +82,6 @@ class MapChart {
       drawn.push(make("svg:line", { class: "where", y1: y.from, y2: y.from,
         x1: x.pixel(Math.max(low, x.low)), x2: x.pixel(Math.min(high, x.high)) }));
     }
-    for (const [low, high] of yAxis.bands) {
-      drawn.push(make("svg:line", { class: "where", x1: x.from, x2: x.from,
-        y1: y.pixel(Math.max(low, 0)), y2: y.pixel(Math.min(high, 1)) }));
-    }
     drawn.push(text({ class: "axis", x: x.to, y: FRAME.height - 4, "text-anchor": "end" },
       named(xAxis)));
     drawn.push(text({ class: "axis", x: 2, y: 32 },
