@@ -65,8 +65,7 @@ class Recording:
     fillings, `read` which of them have a reading that counts.
     `reading_age` is how old the first reading is where the sensor converts on a clock of its own;
     `part` says that it is a stretch of what was recorded, `skipped` how long after the beginning of
-    that it begins. Raises MicrogripperError naming the
-    recording on bad samples.
+    that it begins. Raises MicrogripperError naming the recording on bad samples.
     """
 
     name: str

@@ -21,7 +21,7 @@ AXES = {
     "displacement_m": Axis("displacement", "m", "at displacements {}"),
     "voltage_V": Axis("voltage", "V", "at voltages {}"),
     "rate_V_per_s": Axis("voltage rate", "V/s", "while the voltage changes by {}"),
-    "time_s": Axis("time", "s", "{}"),
+    "time_s": Axis("time", "s", "{} into"),
     "hold_time_s": Axis("time at rest", "s", "{} after the voltage has come to rest"),
     "direction": Axis("direction", "1", "{}"),
 }
@@ -55,8 +55,7 @@ def place(found: Range) -> str:
         return f"on {'rising' if found.high > 0.0 else 'falling'} voltage"
     axis = AXES[found.axis]
     text = span(found.low, found.high, axis.unit)
-    if found.axis == "time_s":
-        return f"{text} into {found.recording or 'the recording'}"
     if axis.phrase.startswith("at") and not text.startswith(("above", "below")):
         text = f"of {text}"
-    return axis.phrase.format(text)
+    said = axis.phrase.format(text)
+    return f"{said} {found.recording or 'the recording'}" if found.axis == "time_s" else said
