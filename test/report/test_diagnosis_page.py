@@ -17,6 +17,7 @@ from microgripper_control.diagnosis.findings import UNKNOWN, Range
 from microgripper_control.report.diagnosis_figures import recording_figures
 from microgripper_control.report.diagnosis_layers import gap_bands
 from microgripper_control.report.diagnosis_page import FIGURES, write_diagnosis_report
+from microgripper_control.report.diagnosis_places import REACH
 from microgripper_control.report.wording import MINUS
 
 HOSTILE = "</script><script>document.title='taken'</script><img src=x onerror=alert(1)>&\"'"
@@ -132,6 +133,13 @@ def test_a_time_is_drawn_on_the_recording_that_it_is_of() -> None:
     later = Range("time_s", 2.0, 3.0, 0.5, recording="second run")
     found = replace(found, where=(later,))
     assert [len(gap_bands(found, "time_s", one.recording.name)) for one in found.judged] == [0, 1]
+
+
+def test_a_rate_is_drawn_from_none_to_the_fastest_step() -> None:
+    """The place is of a rate either way; the map's axis, of its sign, has no mark for it."""
+    judged = creeping().judged[0]
+    fastest = np.max(np.abs(np.diff(judged.recording.voltage))) / judged.recording.sample_period
+    assert REACH["rate_V_per_s"](judged) == (0.0, pytest.approx(fastest))
 
 
 def test_what_the_next_experiment_tells_reads_as_words(tmp_path: Path) -> None:
