@@ -50,10 +50,14 @@ class Residual:
         return self.recording.measured - self.zero
 
     @property
+    def predicted(self) -> Array:
+        """What the model says that the sensor shows, m, shape (n,)."""
+        return self.recording.measured - self.error
+
+    @property
     def foretold(self) -> Residual:
         """The same as if the sensor had shown what the model says: the way without noise."""
-        said = replace(self.recording, displacement=self.recording.measured - self.error)
-        return replace(self, recording=said)
+        return replace(self, recording=replace(self.recording, displacement=self.predicted))
 
     @property
     def moves(self) -> Mask:
@@ -74,7 +78,7 @@ class Residual:
     @cached_property
     def turning(self) -> Turning:
         """How the predicted motion turns."""
-        predicted = self.recording.measured - self.error
+        predicted = self.predicted
         stroke = float(np.ptp(predicted)) or 1.0
         direction, travel = np.zeros(len(predicted)), np.zeros(len(predicted))
         extreme, turned, way, turns = float(predicted[0]), float(predicted[0]), 0.0, 0

@@ -34,7 +34,7 @@ class Frame:
         """The frame of the recordings that are fitted."""
         return cls(
             voltage=_middle_and_half([r.recording.voltage for r in residuals]),
-            position=_middle_and_half([_predicted(r) for r in residuals]),
+            position=_middle_and_half([r.predicted for r in residuals]),
             period=min(r.period for r in residuals),
             longest=max(r.recording.duration for r in residuals),
         )
@@ -45,7 +45,7 @@ def features(residual: Residual, frame: Frame) -> tuple[Array, ...]:
     middle, half = frame.voltage
     v = (residual.recording.voltage - middle) / half
     middle, half = frame.position
-    x = (_predicted(residual) - middle) / half
+    x = (residual.predicted - middle) / half
     shortest = LEAST_WINDOW * frame.period
     windows = np.geomspace(shortest, max(LONGEST_WINDOW * frame.longest, 2.0 * shortest), WINDOWS)
     scale = frame.period / residual.period
@@ -73,12 +73,6 @@ def _by_rate(v: Array, x: Array, windows: Array, period: float) -> list[Array]:
         side = np.sign(rate) * log
         columns += [side, x * log, side * x, rate * np.abs(rate) / size**2]
     return columns
-
-
-def _predicted(residual: Residual) -> Array:
-    """What the model says, m: a course that follows from the voltage."""
-    predicted: Array = residual.recording.measured - residual.error
-    return predicted
 
 
 def _middle_and_half(signals: Sequence[Array]) -> tuple[float, float]:

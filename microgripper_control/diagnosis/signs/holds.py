@@ -31,7 +31,7 @@ def growth_in_holds(residuals: Sequence[Residual], after: float) -> Growth | Non
         still = residual.hold_time
         for hold in residual.holds(5.0 * after):
             before = max(0, hold.start - max(2, round(after / residual.period)))
-            predicted = residual.recording.measured - residual.error
+            predicted = residual.predicted
             step = float(predicted[hold.stop - 1] - predicted[before])
             seen = residual.recording.counting[hold]
             late = np.arange(hold.start, hold.stop)[seen & (still[hold] >= after)]

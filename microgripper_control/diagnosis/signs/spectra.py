@@ -70,7 +70,7 @@ def spectrum_of(residuals: Sequence[Residual], length: int | None = None) -> Spe
     error, motion, voltage = np.zeros((3, padded // 2 + 1))
     cross, count = np.zeros(padded // 2 + 1, dtype=complex), 0
     for residual, run in runs:
-        predicted = residual.recording.measured - residual.error
+        predicted = residual.predicted
         for start in range(run.start, run.stop - size + 1, max(1, size // 2)):
             piece = slice(start, start + size)
             e = np.fft.rfft(window * detrend(residual.error[piece]), padded)
