@@ -40,7 +40,8 @@ def tune(
     json_: JsonOption = False,
 ) -> None:
     """Tell which gains the controller takes for a model, and the margins these or others leave."""
-    identified = Identified.of(read_model(model))
+    rig = read_model(model)
+    identified = Identified.of(rig)
     asked = {
         name: gain for name, gain in zip(ACTING, (kp, ki, kd), strict=True) if gain is not None
     }
@@ -52,6 +53,8 @@ def tune(
     console = Console(highlight=False)
     print_table(console, ("plant, by the model", ""), _plant_rows(identified), texts=(0, 1))
     print_table(console, ("gain", "value", "unit"), _gain_rows(gains), texts=(0, 2))
+    if left := rig.beside_the_inverse:
+        console.print(f"Not in the feedforward, left to the PID: {', '.join(left)}.")
     if not margins[0].gain:
         console.print("By the model the loop is unstable with these gains.")
         return
@@ -61,10 +64,12 @@ def tune(
 
 def _plant_rows(identified: Identified) -> Sequence[tuple[str, str]]:
     low, high = identified.voltage_range
+    lowest, highest = (end + identified.zero for end in identified.reach(low, high))
     natural = math.sqrt((identified.k + identified.k_s) / identified.m)  # rad/s
     return [
         ("gain at rest, without hysteresis", f"{quantity(identified.gain, 'm', 4)}/V"),
-        ("reach, from rest on", span(*identified.reach(low, high), "m", 3)),
+        ("reach, from rest on", span(lowest, highest, "m", 3)),
+        ("reading at x = 0", quantity(identified.zero, "m", 3)),
         ("voltage", span(low, high, "V", 3)),
         ("natural frequency", quantity(natural / (2.0 * math.pi), "Hz", 3)),
         ("damping ratio", number(identified.b / (2.0 * identified.m * natural), 3)),

@@ -93,8 +93,8 @@ class Controller:
 
     @property
     def reach(self) -> tuple[float, float]:
-        """Smallest and largest setpoint taken as it is, m."""
-        return self._lowest, self._highest
+        """Smallest and largest setpoint taken as it is, m, as the sensor reads it."""
+        return self._lowest + self._zero, self._highest + self._zero
 
     def set_gains(self, gains: PidGains) -> None:
         """Change the PID's gains without a jump."""
@@ -151,10 +151,11 @@ class Controller:
         """The voltage u[k+1], V, for what was read at tick k.
 
         `command` is the setpoint, m, or in open loop the voltage, V; None where no new one came.
-        `displacement` is x[k], m, `applied` u[k], V, as the plant reports them. Samples that are
-        not finite change nothing: the last good command, correction or answer stands in. The
-        voltage is held until there is a command.
+        `displacement` is what the sensor reads, m, `applied` u[k], V, as the plant reports them.
+        Samples that are not finite change nothing: the last good command, correction or answer
+        stands in. The voltage is held until there is a command.
         """
+        displacement -= self._zero
         if self._joining or self._mode is not Mode.CASCADE:
             known = applied if math.isfinite(applied) else self.guard.voltage
             self._inverse.applied(self.guard.limits.clip(known))
@@ -200,10 +201,12 @@ class Controller:
         return low if ahead < low else high if ahead > high else ahead
 
     def _reachable(self, setpoint: float) -> float:
-        if self._lowest <= setpoint <= self._highest:
-            return setpoint
+        """The displacement x, m, nearest to the one at which the sensor reads the setpoint."""
+        wanted = setpoint - self._zero
+        if self._lowest <= wanted <= self._highest:
+            return wanted
         self.clamped += 1
-        return min(max(setpoint, self._lowest), self._highest)
+        return min(max(wanted, self._lowest), self._highest)
 
     def _correct(self, error: float, displacement: float, forward: float) -> float:
         """The PID's voltage beside `forward`, V, within what the guard will let out."""
@@ -238,6 +241,7 @@ class Controller:
                 f"controller: limits {limits.low:g} .. {limits.high:g} V exceed the model's "
                 f"voltage range {low:g} .. {high:g} V"
             )
+        self._zero = identified.zero
         self._lowest, self._highest = identified.reach(limits.low, limits.high)
         return make_inverse(self._kind, identified, (limits.low, limits.high), self._period)
 

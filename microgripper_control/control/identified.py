@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Protocol
 
@@ -24,7 +24,7 @@ CYCLES_TO_SETTLE = 20  # between the voltage limits, until the loop closes
 
 
 class Known(Protocol):
-    """What a model tells a controller of its rig; V, s and s."""
+    """What a model tells a controller of its rig; V, s, s and m."""
 
     @property
     def voltage_range(self) -> tuple[float, float]: ...  # noqa: D102 (as Identified has them)
@@ -34,6 +34,9 @@ class Known(Protocol):
 
     @property
     def ringing(self) -> float: ...  # noqa: D102
+
+    @property
+    def zero(self) -> float: ...  # noqa: D102
 
     def values(self, link: str) -> Values: ...  # noqa: D102
 
@@ -57,6 +60,7 @@ class Identified:
     voltage_range: tuple[float, float]  # V, for which these values hold
     dead_time: float = 0.0  # s by which the reading is behind the command, besides the mechanics
     ringing: float = 0.0  # s, largest |G(jw) - 1| / w of the modes G besides the mechanics
+    zero: float = 0.0  # m, what the sensor reads at x = 0
 
     def __post_init__(self) -> None:
         for link in (bouc_wen.LINK, second_order.LINK):
@@ -70,14 +74,17 @@ class Identified:
         for name, time in ("dead time", self.dead_time), ("ringing", self.ringing):
             if not (math.isfinite(time) and time >= 0.0):
                 raise MicrogripperError(f"identified: {name} {time:g} s: must be 0 or more")
+        if not math.isfinite(self.zero):
+            raise MicrogripperError(f"identified: zero {self.zero:g} m: must be finite")
 
     @classmethod
     def of(cls, model: Known) -> Identified:
-        """What a controller needs of a model, its delays, lags and modes too."""
+        """What a controller needs of a model, its delays, lags and modes and its zero too."""
         material, mechanics = model.values("bouc_wen"), model.values("second_order")
-        return cls.from_values(
+        found = cls.from_values(
             material, mechanics, model.voltage_range, model.dead_time, model.ringing
         )
+        return replace(found, zero=model.zero)
 
     @classmethod
     def from_values(

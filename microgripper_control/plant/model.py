@@ -15,6 +15,7 @@ from microgripper_control.effects.bouc_wen_behaviour import BehaviourClass, beha
 from microgripper_control.effects.registry import link_named, registry
 
 Key = tuple[str, str]  # link, parameter
+ZERO: Key = ("sensor_zero", "offset")
 BEYOND = 0.01  # of the voltage range: so much beyond it is not spoken of
 
 
@@ -147,6 +148,11 @@ class Model:
         return tuple(name for name in self.settings if registry()[name].read_off)
 
     @property
+    def zero(self) -> float:
+        """What the sensor reads at x = 0, m."""
+        return self.value(*ZERO) if ZERO[0] in self.settings else 0.0
+
+    @property
     def dead_time(self) -> float:
         """S by which its effects let the reading be behind the command, all delays and lags."""
         return sum(registry()[link].behind(self.values(link)) for link in self.settings)
@@ -155,6 +161,17 @@ class Model:
     def ringing(self) -> float:
         """S: how much the modes of its effects can add to a loop, per ki and gain at rest."""
         return sum(registry()[link].ringing(self.values(link)) for link in self.settings)
+
+    @property
+    def beside_the_inverse(self) -> tuple[str, ...]:
+        """Names of the effects at work that a controller knows nothing of, in any of its values."""
+        known = (ZERO[0], *self.rounding)
+        return tuple(
+            link.name
+            for link, values in self.at_work
+            if not (link.nominal or link.random or link.name in known)
+            and not (link.behind(values) or link.ringing(values))
+        )
 
     def values(self, link: str) -> dict[str, float]:
         """The plain numbers of one link."""

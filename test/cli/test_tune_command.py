@@ -10,6 +10,9 @@ from typing import Any
 
 import pytest
 
+from microgripper_control.plant.model import nominal_model
+from microgripper_control.plant.model_file import save_model
+
 Run = Callable[..., Any]  # as `microgripper` in conftest.py
 MODEL = Path(__file__).parents[2] / "config" / "apa120s.yaml"
 
@@ -55,3 +58,16 @@ def test_what_cannot_be_is_told_in_one_line(microgripper: Run) -> None:
         assert outcome.status == 2
         assert says in outcome.err
         assert outcome.err.count("\n") == 1
+
+
+def test_the_reach_is_told_as_the_sensor_reads_it_and_what_is_not_inverted_by_name(
+    microgripper: Run, tmp_path: Path
+) -> None:
+    rig = nominal_model().with_link("sensor_zero", offset=5e-6).with_link("creep", strength=0.02)
+    save_model(rig, tmp_path / "rig.yaml")
+    out = microgripper("tune", "--model", tmp_path / "rig.yaml").out
+    assert "5.00 to 25.9 µm" in out
+    assert "Not in the feedforward, left to the PID: creep." in out
+    usual = microgripper("tune", "--model", MODEL).out
+    assert "0 to 20.9 µm" in usual
+    assert "Not in" not in usual

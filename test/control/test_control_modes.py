@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from microgripper_control.control.controller import Controller, Mode
 from microgripper_control.control.feedforward import InverseKind
+from microgripper_control.control.identified import Identified
 from microgripper_control.control.limits import VoltageLimits
 from microgripper_control.control.pid import PidGains
 from microgripper_control.core.errors import MicrogripperError
@@ -279,3 +280,29 @@ def test_an_open_loop_command_out_of_range_counts_as_out_of_reach() -> None:
     assert controller.clamped == 5
     controller.forget_counts()
     assert controller.clamped == 0
+
+
+@pytest.mark.parametrize("mode", CLOSED)
+@pytest.mark.parametrize("zero", [5e-6, -3e-6])
+def test_a_sensor_that_does_not_read_zero_at_rest_is_no_error(
+    model: Model, mode: Mode, zero: float
+) -> None:
+    """The setpoint is what the sensor is to read: else a feedforward is off by all of its zero."""
+    setpoint = 9e-6 + 4e-6 * np.sin(0.02 * np.arange(600))
+    expected, voltages = drive(model, Controller(NOMINAL, T, mode=mode), setpoint)
+    shifted = model.with_link("sensor_zero", offset=zero)
+    knowing = Controller(Identified.of(shifted), T, mode=mode)
+    found, given_voltages = drive(shifted, knowing, setpoint + zero)
+    np.testing.assert_allclose(found - zero, expected, rtol=0.0, atol=1e-14)
+    np.testing.assert_allclose(given_voltages, voltages, rtol=0.0, atol=1e-7)
+
+
+def test_what_can_be_reached_is_told_as_the_sensor_reads_it(model: Model) -> None:
+    usual = Controller(NOMINAL, T)
+    knowing = Controller(Identified.of(model.with_link("sensor_zero", offset=5e-6)), T)
+    assert knowing.reach == pytest.approx([end + 5e-6 for end in usual.reach])
+    knowing.start(0.0)
+    knowing.step(usual.reach[1] + 4e-6, 5e-6, 0.0)
+    assert knowing.clamped == 0
+    knowing.step(4e-6, 5e-6, 0.0)
+    assert knowing.clamped == 1

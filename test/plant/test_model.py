@@ -123,3 +123,14 @@ def test_what_is_unknown_or_missing_is_named(model: Model) -> None:
 def test_bounds_that_the_data_leave_open_are_none() -> None:
     assert Setting(1.0).ends == (None, None)
     assert Setting(1.0, (-math.inf, 2.0)).ends == (None, 2.0)
+
+
+def test_what_a_controller_does_not_know_of_a_model_is_named(model: Model) -> None:
+    """Its delays, lags and modes it reckons with, and the sensor's zero; noise is no law."""
+    known = model.with_link("sensor_zero", offset=2e-6).with_link("transport_delay", delay=1e-3)
+    for name in ("sensor_lag", "extra_resonance", "sensor_noise", "sensor_quantization"):
+        known = known.with_link(name)
+    assert known.beside_the_inverse == ("creep",)
+    assert known.zero == 2e-6
+    assert model.zero == 0.0
+    assert nominal_model().beside_the_inverse == ()
