@@ -13,7 +13,7 @@ from rich.table import Table
 
 from microgripper_control.cli.options import JsonOption
 from microgripper_control.cli.progress import progress_bar
-from microgripper_control.cli.stopping import sigterm_as_interrupt
+from microgripper_control.cli.stopping import interruptible
 from microgripper_control.core.files import make_folder, written_whole
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def bench(
     from microgripper_control.report.bench_figure import draw_bench
 
     make_folder(out)
-    with sigterm_as_interrupt(), progress_bar(lines=True) as progress:
+    with interruptible(), progress_bar(lines=True) as progress:
         found = run(Effort(out, quick, progress), only or ())
     picture = out / "performance.png"
     draw_bench(picture, found)

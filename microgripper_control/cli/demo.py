@@ -24,7 +24,7 @@ from microgripper_control.cli.diagnose import show, trying, write_files
 from microgripper_control.cli.identify import as_json as identification_json
 from microgripper_control.cli.options import JsonOption
 from microgripper_control.cli.progress import progress_bar, step_by_step
-from microgripper_control.cli.stopping import sigterm_as_interrupt
+from microgripper_control.cli.stopping import interruptible
 from microgripper_control.cli.tables import print_table
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.files import make_folder
@@ -64,7 +64,7 @@ def demo(
             "demo: ROS 2 is not there; source one, or pip install 'microgripper_control[ros]'"
         )
     console, page = Console(highlight=False, soft_wrap=True, quiet=json_), out / "index.html"
-    with sigterm_as_interrupt():
+    with interruptible():
         fitted, parts, first = _identify(out, seed, console)
         fault = drawn_fault(seed)
         found, second = _diagnose(out, seed, fault, fitted.model, console)

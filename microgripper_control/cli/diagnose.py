@@ -23,7 +23,7 @@ from microgripper_control.cli.options import (
     warn,
 )
 from microgripper_control.cli.progress import Show, progress_bar
-from microgripper_control.cli.stopping import sigterm_as_interrupt
+from microgripper_control.cli.stopping import interruptible
 from microgripper_control.cli.tables import print_table
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.files import check_place
@@ -99,7 +99,7 @@ def diagnose(
     for warning in told:
         warn(warning)
     with (
-        sigterm_as_interrupt(),
+        interruptible(),
         cluster(scheduler),
         progress_bar("nominal model, refit and noise floor") as show_step,
     ):

@@ -10,7 +10,7 @@ import typer
 from rich.console import Console
 
 from microgripper_control.cli.options import JsonOption, warn
-from microgripper_control.cli.stopping import sigterm_as_interrupt
+from microgripper_control.cli.stopping import interruptible
 from microgripper_control.core.errors import one_line
 from microgripper_control.recordings.repair import Repair, repair_bag
 
@@ -20,7 +20,7 @@ def repair(
     json_: JsonOption = False,
 ) -> None:
     """Restore index and metadata of a bag that was not closed or was damaged; the old is kept."""
-    with sigterm_as_interrupt(), Console(stderr=True).status("reading") as status:
+    with interruptible(), Console(stderr=True).status("reading") as status:
         done = repair_bag(bag, status.update)
     for lost in done.lost:
         warn(f"{done.bag}: {lost}")

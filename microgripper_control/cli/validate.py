@@ -11,7 +11,7 @@ from rich.console import Console
 
 from microgripper_control.cli.options import JobsOption, JsonOption, warn
 from microgripper_control.cli.progress import Show, progress_bar
-from microgripper_control.cli.stopping import sigterm_as_interrupt
+from microgripper_control.cli.stopping import interruptible
 from microgripper_control.cli.tables import print_table
 from microgripper_control.core.files import make_folder
 from microgripper_control.diagnosis.search.schedule import cluster
@@ -71,7 +71,7 @@ def validate(
         warn(extent.caution)
     root = make_folder(out)
     with (
-        sigterm_as_interrupt(),
+        interruptible(),
         cluster(scheduler),
         progress_bar("the first cases", lines=True) as show_step,
     ):

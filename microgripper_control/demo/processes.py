@@ -4,9 +4,9 @@ They run with the same interpreter, in a DDS domain of their own that does not l
 demo must never move somebody's real gripper. Each is in a session of its own, so that Ctrl-C
 reaches the demo alone, which then ends them in order.
 
-While nodes run, SIGINT and SIGTERM take effect where they are waited for, and nowhere else. An
-interrupt inside `Popen` would lose the process that it starts, and one inside its `poll` the lock
-without which no later `wait` returns.
+While nodes run, what asks the demo to end (`core.ending`) takes effect where they are waited for,
+and nowhere else. An interrupt inside `Popen` would lose the process that it starts, and one inside
+its `poll` the lock without which no later `wait` returns.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from types import FrameType, TracebackType
 
+from microgripper_control.core.ending import ending_signals
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.demo.domain import on_this_machine, unused_domain
 
@@ -76,7 +77,7 @@ class Node:
 class Nodes:
     """A set of running nodes; leaving the context ends all of them.
 
-    Within the context SIGINT and SIGTERM raise KeyboardInterrupt from `wait_for` and at its end.
+    Within the context what asks to end raises KeyboardInterrupt from `wait_for` and at its end.
     """
 
     def __init__(self, log_folder: Path) -> None:
@@ -140,13 +141,13 @@ class Nodes:
 
 @contextmanager
 def _interrupts_held_back() -> Iterator[list[int]]:
-    """SIGINT and SIGTERM take effect at the end; until then they are in the list."""
+    """What asks to end takes effect when the context does; until then it is in the list."""
     held: list[int] = []
 
     def hold(number: int, frame: FrameType | None) -> None:
         held.append(number)
 
-    before = {n: signal.signal(n, hold) for n in (signal.SIGINT, signal.SIGTERM)}
+    before = {n: signal.signal(n, hold) for n in ending_signals()}
     try:
         yield held
     finally:

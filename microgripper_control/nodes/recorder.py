@@ -7,8 +7,8 @@ which they were published: that they were received in the same order is not cert
 and the setpoint that answers it the order matters.
 
 The bag is flushed every half second, so that no more than that dies with the process, and completed
-on SIGINT and SIGTERM. Two kinds of loss are told apart: messages that were published and did not
-arrive here, by their sequence numbers, and samples that are missing by the stamps of
+when the node is asked to end. Two kinds of loss are told apart: messages that were published and
+did not arrive here, by their sequence numbers, and samples that are missing by the stamps of
 `joint_states`, be it that the plant missed those ticks.
 """
 

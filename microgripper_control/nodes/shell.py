@@ -35,6 +35,7 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args, try_shutdown
 
+from microgripper_control.core.ending import ending_signals
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.nodes.health import PERIOD, Health, Reporter
@@ -67,7 +68,6 @@ PATIENCE = 4.0  # s, with the middleware's end; ros2 launch has 5 before it asks
 FAILED, BAD_INPUT = 1, 2  # exit status
 TRANSPORTS = "FASTDDS_BUILTIN_TRANSPORTS"  # the first, and what else decides on them
 ASKED = (TRANSPORTS, "FASTDDS_DEFAULT_PROFILES_FILE", "FASTRTPS_DEFAULT_PROFILES_FILE")
-ENDING_SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 @dataclass(frozen=True)
@@ -138,7 +138,7 @@ class Shell(Node):
 
 
 def run(make: Callable[[], Shell], args: list[str] | None = None) -> NoReturn:
-    """Make a node and run it to its end or until SIGINT or SIGTERM; exits the process.
+    """Make a node and run it to its end or until it is asked to end; exits the process.
 
     Exit status: 0 if it did what it was started for or was asked to end, 1 if it failed, 2 on bad
     input, with one line on standard error. With `--help` it only says which parameters it has.
@@ -211,13 +211,13 @@ def _spin(node: Shell, asked: list[int]) -> int:
 
 @contextmanager
 def _asked_to_end() -> Iterator[list[int]]:
-    """Collect SIGINT and SIGTERM in a list."""
+    """Collect in a list what asks to end."""
     asked: list[int] = []
 
     def note(number: int, frame: FrameType | None) -> None:
         asked.append(number)
 
-    before = {number: signal.signal(number, note) for number in ENDING_SIGNALS}
+    before = {number: signal.signal(number, note) for number in ending_signals()}
     try:
         yield asked
     finally:

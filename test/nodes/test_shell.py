@@ -123,4 +123,5 @@ def test_every_node_ends_by_signal_with_exit_status_0(start: Start, tmp_path: Pa
     for node in nodes:
         node.until_it_says("starting")
     for number, node in enumerate(nodes):
-        assert node.stop((signal.SIGINT, signal.SIGTERM)[number % 2]) == 0, node.name
+        asked = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)[number % 3]
+        assert node.stop(asked) == 0, node.name
