@@ -1,7 +1,10 @@
 """Replay against the model: the voltage of a recording drives the simulated rig, sample by sample.
 
-With `out` the answer is recorded: what the model makes of the voltage the real rig got.
+The rig begins at the first voltage and ends with the last one. With `out` the answer is recorded:
+what the model makes of the voltage the real rig got.
 """
+
+from pathlib import Path
 
 from launch import Action, LaunchContext, LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction, RegisterEventHandler, Shutdown
@@ -10,6 +13,8 @@ from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 from launch_ros.substitutions import FindPackageShare
+
+from microgripper_control.recordings.read import read_recording
 
 PACKAGE = "microgripper_control"
 
@@ -49,6 +54,9 @@ def nodes(context: LaunchContext) -> list[Action]:
     # As they stand: YAML would make a date of 2026-07-01.
     recording = ParameterValue(LaunchConfiguration("recording"), value_type=str)
     answer = ParameterValue(out, value_type=str)
+    played = read_recording(
+        Path(LaunchConfiguration("recording").perform(context)), needs_displacement=False
+    )
     recorder = Node(
         executable="recorder",
         ros_arguments=enclave("recorder"),
@@ -70,7 +78,15 @@ def nodes(context: LaunchContext) -> list[Action]:
         Node(
             executable="plant_simulator",
             ros_arguments=enclave("plant_simulator"),
-            parameters=[file, {"lockstep": True, "partners": ["player", *recorders]}],
+            parameters=[
+                file,
+                {"lockstep": True, "partners": ["player", *recorders]},
+                {
+                    "sample_rate": 1.0 / played.sample_period,
+                    "initial_voltage": float(played.voltage[0]),
+                    "duration": len(played) * played.sample_period,
+                },
+            ],
             **common,
         ),
         # The recording has ended, or one of the nodes has failed.

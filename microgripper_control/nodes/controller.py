@@ -77,10 +77,12 @@ class ControllerNode(ManagedShell):
         self._settings.compile()
         self._controller = self._settings.controller()
         model = load_model(model_path(self.value_of("model_file")))
-        for warning in (*model.warnings, self._settings.warning):
+        left = ", ".join(model.beside_the_inverse)
+        beside = f"model_file: not in the feedforward, left to the PID: {left}" if left else ""
+        for warning in (*model.warnings, self._settings.warning, beside):
             if warning:
                 self.get_logger().warning(warning)
-        self._output = VoltageOutput(self)
+        self._output = VoltageOutput(self, self._settings.sample_period)
 
     def cleanup(self) -> None:
         """Withdraw the topics."""

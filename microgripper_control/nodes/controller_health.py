@@ -29,6 +29,7 @@ class Statistics:
     ) -> None:
         self.late = 0
         self._feedback, self._applied = exchange.feedback, exchange.applied
+        self._stamps = exchange.stamps
         self._intake = intake
         self._rivals = rivals
         self._answered = 0
@@ -66,6 +67,7 @@ class Statistics:
         values: dict[str, object] = {
             "mode": controller.mode.value,
             "rate, Hz": new["answers"] / elapsed,
+            "rate by the stamps, Hz": self._stamps.told,
             "voltage, V": controller.guard.voltage,
             "feedback": self._feedback.state,
             "plant obeys": self._applied.state,
@@ -102,6 +104,8 @@ class Statistics:
                 return f"joint_states: {verdict.value}"
         if new["setpoints not finite or refused"] or new["setpoints out of reach"]:
             return "setpoints not finite or out of reach"
+        if self._stamps.is_another:
+            return "the plant's rate is not sample_rate: gains and margins are for another loop"
         if self._intake.stopped:
             return f"the stream of setpoints {self._intake.state}"
         return ""

@@ -15,6 +15,7 @@ from microgripper_control.control.controller import Controller
 from microgripper_control.nodes.applied_watch import AppliedWatch
 from microgripper_control.nodes.feedback_watch import FeedbackWatch, Verdict
 from microgripper_control.nodes.pairing import Paired
+from microgripper_control.nodes.stamp_rate import StampRate
 from microgripper_control.nodes.voltage_output import Descent, VoltageOutput
 
 
@@ -33,6 +34,7 @@ class Exchange:
     ) -> None:
         self.feedback = feedback
         self.applied = applied
+        self.stamps = StampRate(1.0 / sample_period)
         self._controller = controller
         self._output = output
         self._period = sample_period
@@ -53,6 +55,7 @@ class Exchange:
             return self._started and not self.feedback.lost
         if verdict is not Verdict.FRESH:
             return False
+        self.stamps.note(stamp)
         self._descent = None
         if not self._started:
             self._started = True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 from rclpy.node import Node
@@ -40,6 +41,9 @@ COMMAND_TIMEOUT = Parameter(
     "wall time: without voltage_command for so long the rig ramps to safe_voltage by itself; "
     "0: it holds the last one",
 )
+INITIAL_VOLTAGE = Parameter(
+    "initial_voltage", "V", 0.0, -math.inf, math.inf, "at which the rig rests when it begins"
+)
 GUARD = {"safe_voltage": "safe", "ramp_rate": "ramp_rate"}  # of the node -> of VoltageLimits
 
 
@@ -61,6 +65,8 @@ def declare(node: Node) -> None:
         usual = limits[field]
         nominal = min(max(0.0, low), high) if field == "safe" else usual.nominal
         declare_number(node, replace(usual, name=name, nominal=nominal))
+    start = replace(INITIAL_VOLTAGE, nominal=min(max(0.0, low), high), low=low, high=high)
+    declare_number(node, start)
     settings = model.settings.get(NOISE.name, {})
     for name, key in NOISE_PARAMETERS.items():
         declared = NOISE.parameter(key)
@@ -76,8 +82,9 @@ def make_rig(node: Node) -> Rig:
     noise = {key: node.get_parameter(name).value for name, key in NOISE_PARAMETERS.items()}
     model = model.with_link(NOISE.name, **noise)
     period = 1.0 / node.get_parameter("sample_rate").value
-    Rig(model, period).tick()  # compiles; the one that runs draws its noise afresh
-    return Rig(model, period)
+    start = node.get_parameter(INITIAL_VOLTAGE.name).value
+    Rig(model, period, start).tick()  # compiles; the one that runs draws its noise afresh
+    return Rig(model, period, start)
 
 
 def make_guard(node: Node, voltage: float) -> RigGuard:

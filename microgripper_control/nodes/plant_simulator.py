@@ -3,7 +3,8 @@
 In wall time tick k is due at start + k T, whatever happened before; when ticks were slept through
 the plant moves on under the held voltage, and their samples are counted as missed, not published.
 In lockstep tick k+1 follows as soon as the command that answers tick k has come; stamps count from
-zero, and `/clock` tells the time. An answer that does not come ends the run with an error.
+zero, and `/clock` tells the time. An answer that does not come ends the run with an error, and so
+does a second publisher: whatever it sends would pass for an answer.
 
 As a rig's driver should, it does not rely on the controller: in wall time, when commands stop, it
 brings the voltage down by itself, and on deactivation, too.
@@ -11,6 +12,7 @@ brings the voltage down by itself, and on deactivation, too.
 
 from __future__ import annotations
 
+import math
 import time
 
 from std_msgs.msg import Float64
@@ -44,12 +46,13 @@ class PlantSimulator(ManagedShell):
         self._tick = 0  # the next one
         self._missed = self._commanded = 0
         self._counted: dict[str, int] = {}
-        self._samples = SamplePublisher(self)
+        self._samples = SamplePublisher(self, 1.0 / self._rate)
 
     def activate(self) -> None:
         """Go on from the tick that comes next."""
         self._lockstep = self.value_of("lockstep")
         self._asked = False  # in lockstep, once the partners are there
+        self._looked = -math.inf  # when it looked for a second publisher
         # Since when it has waited in lockstep, for the partners or the answer.
         self._since = self._began = time.monotonic()
         self._origin = 0  # stamp of tick 0, ns
@@ -110,6 +113,7 @@ class PlantSimulator(ManagedShell):
         """Begin once everybody is there; fail where somebody is missing for too long."""
         waited = now - self._since
         if self._asked:
+            self._refuse_rivals(now)
             if waited > self.value_of("lockstep_timeout"):
                 sample = self._tick - 1
                 self.fail(
@@ -126,6 +130,14 @@ class PlantSimulator(ManagedShell):
             self._ask()
         elif waited > self.value_of("startup_timeout"):
             self.fail(f"lockstep: {', '.join(missing)} not ready after {waited:.3g} s")
+
+    def _refuse_rivals(self, now: float) -> None:
+        if now < self._looked + POLL:  # it takes longer than a sample
+            return
+        self._looked = now
+        names = self._rivals.names()
+        if len(names) > 1:
+            self.fail(f"lockstep: voltage_command is published by {' and '.join(names)}, not one")
 
     def _ask(self) -> None:
         """Publish a sample that wants an answer."""

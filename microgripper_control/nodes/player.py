@@ -8,6 +8,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 from microgripper_control.core.errors import MicrogripperError
@@ -24,6 +25,7 @@ from microgripper_control.nodes.playing import AsAnswers, AsRecorded, Playing
 from microgripper_control.nodes.shell import POLL, Shell, run
 
 RECORDED, SAMPLES = "recorded", "samples"
+DISCOVERY, SETTLING = 3.0, 0.5  # s: for finding who listens, and for them to find the player
 RATE = Parameter("rate", "1", 1.0, 1e-3, 1e3, "pace recorded: times as fast as it was")
 
 
@@ -44,7 +46,11 @@ class Player(Shell):
         names = declare_texts(self, "topics", [], "pace recorded: topics to play; none: all")
         wanted = [self.resolve_topic_name(name, only_expand=True) for name in names]
         self._partners = declare_texts(
-            self, "partners", [], "names of the nodes that must get what is played"
+            self,
+            "partners",
+            [],
+            "names of the nodes that must get what is played; none: whoever is found in "
+            f"{DISCOVERY:g} s",
         )
         speed = declare_number(self, RATE, read_only=True)
         if recording == Path():
@@ -55,11 +61,14 @@ class Player(Shell):
         else:
             self._playing = AsRecorded(self, recording, wanted, speed)
         self._begun = False
+        self._since = math.inf  # when it was first ready to begin, s,
+        self._heard = math.inf  # and since when all that it plays is listened to
 
     def work(self, now: float) -> float:
         """As `Shell` says."""
         if not self._begun:
-            self._begun = not self._missing()
+            self._since = min(self._since, now)
+            self._begun = not self._missing() and (bool(self._partners) or self._is_found_out(now))
             return POLL
         wait = self._playing.work(now)
         if self._playing.is_over:
@@ -78,10 +87,17 @@ class Player(Shell):
             for name in topics.missing_partners(self, publisher, self._partners)
         ]
 
+    def _is_found_out(self, now: float) -> bool:
+        """Whether those who listen are known, and have had the time to know of the player, too."""
+        heard = all(one.get_subscription_count() for one in self._playing.publishers)
+        self._heard = min(self._heard, now) if heard else math.inf
+        return now > min(self._heard + SETTLING, self._since + DISCOVERY)
+
     def health(self, elapsed: float) -> Health:
         """As `Shell` says."""
         if not self._begun:
-            return Health("waiting for " + ", ".join(dict.fromkeys(self._missing())))
+            missing = dict.fromkeys(self._missing()) or ["somebody who listens"]
+            return Health("waiting for " + ", ".join(missing))
         return Health(values={"messages played": self._playing.played})
 
 

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 from pathlib import Path
-from statistics import median
 from typing import Protocol
 
 from rclpy.node import Node
@@ -17,12 +15,11 @@ from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.nodes import qos, topics
 from microgripper_control.nodes.pacing import SampleNumber
 from microgripper_control.nodes.shell import POLL
+from microgripper_control.nodes.stamp_rate import ENOUGH, StampRate
 from microgripper_control.recordings.bag import Bag
 from microgripper_control.recordings.offered_qos import offered
 from microgripper_control.recordings.read import read_recording
 
-TELLING = 20  # samples whose stamps tell the plant's rate
-SAME_RATE = 0.2  # stamps jitter; voltages are left out or held where the rate is another
 MOST_AT_ONCE = 100  # messages, before a signal is looked for again
 
 
@@ -97,21 +94,22 @@ class AsRecorded:
 class AsAnswers:
     """Answers each sample of the plant with the voltage that followed it in the recording.
 
-    The answer to sample k is the recorded u[k+1]; the recorded u[0] is what the plant begins with.
+    The answer to sample k is the recorded u[k+1]; the recorded u[0] has to be what the plant begins
+    with, its `initial_voltage`.
     """
 
     def __init__(self, node: Node, path: Path) -> None:
         recording = read_recording(path, needs_displacement=False)
         self._voltages: list[float] = recording.voltage.tolist()
-        self._number = SampleNumber(1.0 / recording.sample_period)
+        self._rate = 1.0 / recording.sample_period  # Hz
+        self._number = SampleNumber(self._rate)
+        self._stamps = StampRate(self._rate)
         self._answer = Float64()
         self._answers = topics.publish_on(node, topics.VOLTAGE_COMMAND)
         self._samples = topics.Newest(node, topics.JOINT_STATES, self._on_sample)
         self.publishers = [self._answers]
         self.played = 0
         self.is_over = False
-        self._period = recording.sample_period
-        self._stamps: list[int] = []  # ns, of the first samples
 
     def work(self, now: float) -> float:
         """As `Playing` says: the samples set the pace."""
@@ -120,25 +118,16 @@ class AsAnswers:
 
     def _on_sample(self, message: JointState) -> None:
         stamp = topics.stamp_of(message)
-        if len(self._stamps) < TELLING:
-            self._note(stamp)
+        self._stamps.note(stamp)
+        # Voltages would be left out or held, and nobody would see it.
+        if self.played < ENOUGH and self._stamps.is_another:
+            raise MicrogripperError(
+                f"the plant samples at {self._stamps.told:.6g} Hz, the recording at "
+                f"{self._rate:.6g} Hz; set the plant's sample_rate to that"
+            )
         following = self._number.of(stamp) + 1
         last = len(self._voltages) - 1
         self._answer.data = self._voltages[min(following, last)]
         self._answers.publish(self._answer)
         self.played += 1
         self.is_over = following > last
-
-    def _note(self, stamp: int) -> None:
-        """Note the stamp of one of the first samples; MicrogripperError if they tell another rate.
-
-        At another rate voltages would be left out or held, and nobody would see it.
-        """
-        self._stamps.append(stamp)
-        if len(self._stamps) == TELLING:
-            period = 1e-9 * median(b - a for a, b in pairwise(self._stamps))
-            if period > 0.0 and abs(period / self._period - 1.0) > SAME_RATE:
-                raise MicrogripperError(
-                    f"the plant samples at {1.0 / period:.6g} Hz, the recording at "
-                    f"{1.0 / self._period:.6g} Hz; set the plant's sample_rate to that"
-                )

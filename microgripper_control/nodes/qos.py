@@ -12,10 +12,11 @@ again. A setpoint may be sent once, by hand, so it has to arrive. Who records wa
 perhaps held up by the scheduler for seconds. In lockstep a message that is lost ends the run, so
 there everything is reliable.
 
-Publishers offer a deadline and a lease of their liveliness, so that anybody may ask for them. The
-subscriptions ask for none: they would get nothing from a publisher that offers none, and `ros2
-topic pub` is one. Where they are asked for, by the standard `qos_overrides` parameters, what the
-middleware then reports is counted, and is in the node's health.
+Publishers offer a deadline, of five samples where that is more, and a lease of their liveliness, so
+that anybody may ask for them. The subscriptions ask for none: they would get nothing from a
+publisher that offers none, and `ros2 topic pub` is one. Where they are asked for, by the standard
+`qos_overrides` parameters, what the middleware then reports is counted, and is in the node's
+health.
 """
 
 from __future__ import annotations

@@ -12,11 +12,11 @@ from microgripper_control.plant.rig import Rig
 
 
 class SamplePublisher:
-    """On `joint_states` and `displacement`, and where asked the time on `/clock` before."""
+    """On `joint_states` and `displacement`, each `period`, s, after where asked `/clock`."""
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: Node, period: float) -> None:
         self._node = node
-        self.states = topics.publish_on(node, topics.JOINT_STATES)
+        self.states = topics.publish_on(node, topics.JOINT_STATES, period)
         self._displacements = topics.publish_on(node, topics.DISPLACEMENT)
         self._clock = node.create_publisher(Clock, "/clock", qos.quality(1))
         self._state = JointState(name=[topics.JOINT], position=[0.0], velocity=[0.0], effort=[0.0])

@@ -46,15 +46,17 @@ TYPES: dict[str, type] = {
 }
 TYPE_NAME = re.compile(r"([a-z][a-z0-9_]*)/msg/([A-Z][A-Za-z0-9]*)")
 DEADLINES = {JOINT_STATES: 0.1, VOLTAGE_COMMAND: 0.1}  # s, offered; the samples' guards are faster
+LATE = 5.0  # sample periods, at least: at less than 50 Hz it takes longer
 DELIVERY_TIMEOUT = 4.0  # s
 
 
-def publish_on(node: Node, topic: str) -> Publisher:
-    """A publisher on one of the topics above."""
+def publish_on(node: Node, topic: str, period: float = 0.0) -> Publisher:
+    """A publisher on one of the topics above, of a message each `period`, s, where it has one."""
+    deadline = DEADLINES.get(topic)
     return node.create_publisher(
         TYPES[topic],
         topic,
-        qos.offer(DEADLINES.get(topic)),
+        qos.offer(deadline and max(deadline, LATE * period)),
         event_callbacks=qos.publisher_events(node, topic),
         qos_overriding_options=qos.overridable(),
     )

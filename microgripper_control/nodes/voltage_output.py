@@ -19,13 +19,13 @@ REPEATED = 3  # times the safe voltage is sent in the end: nobody could send it 
 
 
 class VoltageOutput:
-    """Publishes `voltage_command`."""
+    """Publishes `voltage_command`, while it controls each `period`, s."""
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: Node, period: float) -> None:
         self._node = node
         self._message = Float64()
         self._sent = -math.inf
-        self.publisher = topics.publish_on(node, topics.VOLTAGE_COMMAND)
+        self.publisher = topics.publish_on(node, topics.VOLTAGE_COMMAND, period)
 
     @property
     def elapsed(self) -> float:

@@ -9,7 +9,7 @@ from microgripper_control.plant.simulate import Plant
 
 
 class Rig:
-    """Takes commands whenever they come and samples once a tick.
+    """Takes commands whenever they come and samples once a tick; begins at a voltage, V, at rest.
 
     At tick k it reads `position` x[k] (m) and `velocity` (x[k] - x[k-1])/T (m/s), latches the
     newest command as `voltage` u[k] (V) and holds it until the next tick. The DAC's range is that
@@ -17,10 +17,10 @@ class Rig:
     are ignored and counted in `refused`.
     """
 
-    def __init__(self, model: Model, sample_period: float) -> None:
+    def __init__(self, model: Model, sample_period: float, initial_voltage: float = 0.0) -> None:
         self._low, self._high = model.voltage_range
         self._period = sample_period
-        self._command = min(max(0.0, self._low), self._high)
+        self._command = min(max(initial_voltage, self._low), self._high)
         self._plant = Plant(model, sample_period, self._command)
         self._before = math.nan
         self.position = self.velocity = 0.0

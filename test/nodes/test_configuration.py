@@ -173,3 +173,14 @@ def test_topics_can_be_remapped_and_their_quality_overridden(make: Callable[...,
     (samples,) = (one for one in node.publishers if one.topic_name == "/rig/samples")
     assert samples.qos_profile.depth == 7
     assert samples.qos_profile.reliability is ReliabilityPolicy.BEST_EFFORT
+
+
+@pytest.mark.parametrize(("rate", "deadline"), [(1000.0, 0.1), (5.0, 1.0)])
+def test_no_deadline_is_offered_that_the_rate_does_not_keep(
+    make: Callable[..., Shell], rate: float, deadline: float
+) -> None:
+    node = make("plant_simulator", "-p", f"sample_rate:={rate}")
+    assert isinstance(node, PlantSimulator)
+    node.trigger_configure()
+    (samples,) = (one for one in node.publishers if one.topic_name.endswith("/joint_states"))
+    assert samples.qos_profile.deadline.nanoseconds == round(1e9 * deadline)

@@ -196,7 +196,7 @@ def test_the_parameters_of_a_running_controller(
     assert answer == pytest.approx(5e-6 / (GAIN * 2e-7 / 1.4447e-7), rel=0.1)
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
 def test_in_the_end_the_voltage_is_brought_down(
     start: Start, watcher: Watcher, number: int
 ) -> None:
@@ -234,7 +234,7 @@ def test_deactivated_by_a_supervisor_it_brings_the_voltage_down(
 
 def test_its_health_tells_of_what_is_wrong(start: Start, watcher: Watcher) -> None:
     reports = watcher.messages(DiagnosticArray, "/diagnostics")
-    loop = Loop(start, watcher)
+    loop = Loop(start, watcher, sample_rate=50)  # a watcher looks no faster
 
     def told(message: str) -> bool:
         return bool(reports) and reports[-1].status[0].message == message
@@ -250,6 +250,32 @@ def test_its_health_tells_of_what_is_wrong(start: Start, watcher: Watcher) -> No
         lambda: loop.answer(0.0, loop.answers[-1].data) is not None and told(wrong), "what is wrong"
     )
     watcher.until(lambda: told("feedback lost: none comes; safe voltage"), "the loss of the plant")
+
+
+def test_a_plant_of_another_rate_is_told(start: Start, watcher: Watcher) -> None:
+    """Gains, margins and the dead time in samples are for a loop that is not there."""
+    reports = watcher.messages(DiagnosticArray, "/diagnostics")
+    node = start("controller", sample_rate=1000)
+    start("plant_simulator", sample_rate=100)
+    wrong = "the plant's rate is not sample_rate"
+
+    def told() -> bool:
+        last = reports[-1].status[0] if reports else None
+        if last is None or wrong not in last.message:
+            return False
+        rate = next(one.value for one in last.values if one.key == "rate by the stamps, Hz")
+        return last.level == b"\1" and float(rate) == pytest.approx(100.0, rel=0.02)
+
+    watcher.until(told, "what is wrong")
+    assert node.stop() == 0
+
+
+def test_what_the_model_has_beside_its_inverse_is_told(start: Start, tmp_path: Path) -> None:
+    rig = nominal_model().with_link("saturation", high=80.0).with_link("sensor_zero", offset=1e-6)
+    save_model(rig.with_link("amplifier_lag"), tmp_path / "rig.yaml")
+    node = start("controller", model_file=str(tmp_path / "rig.yaml"))
+    node.until_it_says("not in the feedforward, left to the PID: saturation")
+    assert node.stop() == 0
 
 
 def test_a_change_of_state_that_is_none_is_refused_and_the_loop_goes_on(

@@ -18,7 +18,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
 from microgripper_control.plant.model import nominal_model
-from microgripper_control.plant.simulate import simulate
+from microgripper_control.plant.simulate import Initial, simulate
 
 pytestmark = pytest.mark.ros
 
@@ -171,6 +171,29 @@ def test_a_missing_answer_ends_the_run_with_an_error(start: Start, watcher: Watc
     watcher.until(lambda: len(samples) == 2, "sample 1")
     assert plant.ended() == 1
     assert "no voltage_command for sample 1" in plant.log
+
+
+def test_a_second_publisher_ends_the_run_with_an_error(start: Start, watcher: Watcher) -> None:
+    """Whatever it sends would pass for an answer, and the run would be another each time."""
+    samples = watcher.messages(JointState, "joint_states")
+    commands = watcher.node.create_publisher(Float64, "voltage_command", 10)
+    plant = start("plant_simulator", lockstep=True, partners=["watcher"], lockstep_timeout=30)
+    watcher.until(lambda: len(samples) == 1, "sample 0")
+    intruder = watcher.node.create_publisher(Float64, "voltage_command", 10)
+    assert plant.ended() == 1
+    assert "voltage_command is published by watcher and watcher, not one" in plant.log
+    for publisher in (commands, intruder):
+        watcher.node.destroy_publisher(publisher)
+
+
+def test_it_begins_at_rest_at_the_voltage_that_is_asked_for(start: Start, watcher: Watcher) -> None:
+    samples = watcher.messages(JointState, "joint_states")
+    start("plant_simulator", noise_std=0, command_timeout=0, initial_voltage=120.0)
+    watcher.until(lambda: len(samples) > 10, "samples")
+    began = np.full(2, 120.0)
+    rested = simulate(nominal_model(), began, 1e-3, initial=Initial.FIRST_SAMPLE)[0]
+    assert {one.effort[0] for one in samples} == {120.0}
+    np.testing.assert_allclose([one.position[0] for one in samples], rested, rtol=1e-12)
 
 
 def test_a_missing_partner_ends_the_run_with_an_error(start: Start) -> None:

@@ -11,7 +11,7 @@ from std_msgs.msg import Float64
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.plant.model import nominal_model
-from microgripper_control.plant.simulate import simulate
+from microgripper_control.plant.simulate import Initial, simulate
 from microgripper_control.recordings.bag_writer import BagWriter
 from microgripper_control.recordings.csv import write_csv
 from microgripper_control.recordings.read import read_recording
@@ -19,12 +19,12 @@ from microgripper_control.recordings.write import write_bag
 
 pytestmark = pytest.mark.ros
 
-VOLTAGE = 60.0 - 60.0 * np.cos(2.0 * np.pi * np.arange(500) / 250.0)
+VOLTAGE = 70.0 + 50.0 * np.cos(2.0 * np.pi * np.arange(500) / 250.0)
 
 
 @pytest.fixture
 def recording() -> Recording:
-    displacement = simulate(nominal_model(), VOLTAGE, 1e-3)
+    displacement = simulate(nominal_model(), VOLTAGE, 1e-3, initial=Initial.FIRST_SAMPLE)
     return Recording("made", 1e-3, VOLTAGE, displacement, setpoint=displacement + 1e-8)
 
 
@@ -40,6 +40,18 @@ def test_what_is_played_can_be_recorded_again(
     again = read_recording(tmp_path / "again")
     for quantity in ("voltage", "displacement", "setpoint"):
         np.testing.assert_array_equal(getattr(again, quantity), getattr(recording, quantity))
+
+
+def test_whoever_listens_already_gets_it_from_the_first_message_on(
+    start: Start, tmp_path: Path, recording: Recording
+) -> None:
+    """Without a partner named: what is sent before it has found anybody is lost to all."""
+    write_bag(tmp_path / "bag", recording)
+    recorder = start("recorder", out="again")
+    recorder.until_it_says("ready")
+    assert start("player", recording="bag").ended() == 0
+    assert recorder.stop() == 0
+    np.testing.assert_array_equal(read_recording(tmp_path / "again").measured, recording.measured)
 
 
 def test_an_empty_bag_has_nothing_to_play(start: Start, tmp_path: Path) -> None:
@@ -78,6 +90,7 @@ def test_a_plant_gets_the_recorded_voltages_sample_by_sample(
         lockstep=True,
         partners=["player", "recorder"],
         noise_std=0,
+        initial_voltage=VOLTAGE[0],
         duration=0.5,
     )
     assert plant.ended() == 0
