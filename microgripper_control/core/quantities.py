@@ -31,7 +31,7 @@ def power_of(unit: str, size: float) -> int:
 def quantity(value: float, unit: str, digits: int = 2) -> str:
     """A value with its unit, in the prefix in which it reads best: 8.5e-08 m is `85 nm`."""
     factor, name = _prefixed(unit, float(f"{value:.{digits - 1}e}"))
-    return f"{number(value / factor, digits)} {name}"
+    return f"{number(value / factor, digits)} {name}".rstrip()
 
 
 def span(low: float, high: float, unit: str, digits: int = 2) -> str:
@@ -45,11 +45,13 @@ def span(low: float, high: float, unit: str, digits: int = 2) -> str:
     factor, name = _prefixed(unit, max(abs(low), abs(high)))
     while number(low, digits) == number(high, digits):
         digits += 1
-    return f"{number(low / factor, digits)} to {number(high / factor, digits)} {name}"
+    return f"{number(low / factor, digits)} to {number(high / factor, digits)} {name}".rstrip()
 
 
 def _prefixed(unit: str, size: float) -> tuple[float, str]:
     """The unit in which a size reads best: what one of it is in the unit given, and its name."""
+    if unit == "1":  # of what has no dimension: it would read as a number
+        return 1.0, ""
     if unit not in PREFIXED or size == 0.0 or not math.isfinite(size):
         return 1.0, unit
     power = power_of(unit, size)

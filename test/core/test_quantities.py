@@ -38,6 +38,7 @@ def test_a_number_keeps_its_significant_digits(value: float, digits: int, expect
         (5e4, "N/m", "50 kN/m"),
         (0.02, "kg", "0.020 kg"),
         (0.0, "m", "0 m"),
+        (0.012, "1", "0.012"),
     ],
 )
 def test_a_quantity_takes_the_prefix_in_which_it_reads_best(
@@ -57,6 +58,8 @@ def test_a_quantity_takes_the_prefix_in_which_it_reads_best(
         (31.0, math.inf, "s", "above 31 s"),
         (-math.inf, 0.5, "s", "below 500 ms"),
         (1.0, 2.5, "kg", "1.0 to 2.5 kg"),
+        (0.01, 0.02, "1", "0.010 to 0.020"),
+        (0.5, math.inf, "1", "above 0.50"),
     ],
 )
 def test_a_range_has_one_unit_and_says_where_it_is_open(
