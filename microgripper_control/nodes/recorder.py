@@ -62,7 +62,12 @@ class Recorder(Shell):
         self._refused: dict[str, str] = {}  # topics that cannot be recorded, and why
         self._samples = JointStates()
         self._looked = self._flushed = 0.0
-        self._bag = BagWriter(folder, storage)
+        self._place, self._storage = folder, storage
+        self._bag: BagWriter
+
+    def begin(self) -> None:
+        """Open the bag."""
+        self._bag = BagWriter(self._place, self._storage)
 
     @property
     def subscriptions(self) -> Iterator[Subscription]:

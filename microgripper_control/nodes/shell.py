@@ -113,7 +113,7 @@ class Shell(Node):
         return Health()
 
     def leave(self) -> None:
-        """Called once, last, while the node can still publish."""
+        """Called once, last, while the node can still publish; not where `begin` has failed."""
 
     def finish(self, message: str) -> None:
         """End with success."""
@@ -184,6 +184,22 @@ def _spin(node: Shell, asked: list[int]) -> int:
         node.get_logger().warning(line)
     try:
         node.begin()
+        _work(node, executor, asked)
+    finally:
+        executor.remove_node(node)
+        executor.shutdown()
+    if node.outcome is None:
+        return 0
+    if node.outcome.status:
+        node.get_logger().error(node.outcome.message)
+    else:
+        node.get_logger().info(node.outcome.message)
+    return node.outcome.status
+
+
+def _work(node: Shell, executor: Executor, asked: list[int]) -> None:
+    """Let a node that has begun work until it is done or asked to end, and then leave."""
+    try:
         refusal = go_first(node.priority) if node.priority else None
         if refusal:
             node.get_logger().warning(f"realtime_priority: {refusal}")
@@ -198,15 +214,6 @@ def _spin(node: Shell, asked: list[int]) -> int:
                 node.report_if_due(now)
     finally:
         node.leave()
-        executor.remove_node(node)
-        executor.shutdown()
-    if node.outcome is None:
-        return 0
-    if node.outcome.status:
-        node.get_logger().error(node.outcome.message)
-    else:
-        node.get_logger().info(node.outcome.message)
-    return node.outcome.status
 
 
 @contextmanager

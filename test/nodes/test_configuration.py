@@ -66,7 +66,6 @@ def make(
 
     yield make
     for node in made:
-        node.leave()
         node.destroy_node()
 
 

@@ -156,6 +156,7 @@ def test_a_strange_type_does_not_end_the_recording(
     """A stranger publishes on one of the topics; the others go on."""
     ros("--ros-args", "-p", f"out:={tmp_path / 'bag'}")
     recorder = Recorder()
+    recorder.begin()
     strange = SimpleNamespace(topic_type=kind, qos_profile=QoSProfile(depth=1))
     with monkeypatch.context() as patch:
         patch.setattr(recorder, "get_publishers_info_by_topic", lambda topic: [strange])

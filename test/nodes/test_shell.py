@@ -69,12 +69,15 @@ def test_bad_input_gets_one_line_and_exit_status_2(
 
 
 def asked(
-    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], *words: str
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+    *words: str,
+    make: type[Shell] = ControllerNode,
 ) -> tuple[object, str, str]:
-    """The exit status of a controller that is called with words of no node, and what it prints."""
+    """The exit status of a node that is called with words of no node, and what it prints."""
     monkeypatch.setattr(shell, "end_within", lambda seconds, status: None)
     with pytest.raises(SystemExit) as ending:
-        run(ControllerNode, list(words))
+        run(make, list(words))
     printed = capfd.readouterr()
     return ending.value.code, printed.out, printed.err
 
@@ -91,6 +94,21 @@ def test_asked_for_help_it_says_what_its_parameters_are_and_does_nothing(
     )
     assert "qos_overrides" not in out
     assert "ready" not in err
+
+
+@pytest.mark.parametrize("make", [PlantSimulator, ControllerNode, Reference, Recorder, Diagnoser])
+def test_help_is_had_without_parameters_and_leaves_nothing_behind(
+    ros_domain: dict[str, str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+    make: type[Shell],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    status, out, _ = asked(monkeypatch, capfd, "--help", make=make)
+    assert status == 0
+    assert out.startswith("usage: ")
+    assert [path.name for path in tmp_path.iterdir()] in ([], ["ros_log"])
 
 
 def test_a_word_that_no_node_knows_is_refused(
