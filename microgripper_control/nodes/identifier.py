@@ -77,11 +77,11 @@ class Identifier(Shell):
         self._client: AsyncParameterClient | None = None
         self._answer: Answer | None = None
         self._deadline = 0.0
-        if not self._recordings:
-            raise MicrogripperError("recordings is empty; name bags, -p recordings:=[PATH]")
 
     def begin(self) -> None:
         """Read, and begin to identify."""
+        if not self._recordings:
+            raise MicrogripperError("recordings is empty; name bags, -p recordings:=[PATH]")
         log = self.get_logger()
         file = model_path(self._model)
         check_place(self._out, [*self._recordings, file])

@@ -34,8 +34,8 @@ class Player(Shell):
 
     def __init__(self) -> None:
         super().__init__("player")
-        recording = declare_path(self, "recording", "", "bag or CSV to play")
-        pace = declare_text(
+        self._recording = declare_path(self, "recording", "", "bag or CSV to play")
+        self._pace = declare_text(
             self,
             "pace",
             RECORDED,
@@ -44,7 +44,7 @@ class Player(Shell):
             read_only=True,
         )
         names = declare_texts(self, "topics", [], "pace recorded: topics to play; none: all")
-        wanted = [self.resolve_topic_name(name, only_expand=True) for name in names]
+        self._wanted = [self.resolve_topic_name(name, only_expand=True) for name in names]
         self._partners = declare_texts(
             self,
             "partners",
@@ -52,17 +52,20 @@ class Player(Shell):
             "names of the nodes that must get what is played; none: whoever is found in "
             f"{DISCOVERY:g} s",
         )
-        speed = declare_number(self, RATE, read_only=True)
-        if recording == Path():
-            raise MicrogripperError("recording is empty; name a bag, -p recording:=PATH")
+        self._speed = declare_number(self, RATE, read_only=True)
         self._playing: Playing
-        if pace == SAMPLES:
-            self._playing = AsAnswers(self, recording)
-        else:
-            self._playing = AsRecorded(self, recording, wanted, speed)
         self._begun = False
         self._since = math.inf  # when it was first ready to begin, s,
         self._heard = math.inf  # and since when all that it plays is listened to
+
+    def begin(self) -> None:
+        """Open the recording."""
+        if self._recording == Path():
+            raise MicrogripperError("recording is empty; name a bag, -p recording:=PATH")
+        if self._pace == SAMPLES:
+            self._playing = AsAnswers(self, self._recording)
+        else:
+            self._playing = AsRecorded(self, self._recording, self._wanted, self._speed)
 
     def work(self, now: float) -> float:
         """As `Shell` says."""

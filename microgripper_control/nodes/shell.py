@@ -141,7 +141,8 @@ def run(make: Callable[[], Shell], args: list[str] | None = None) -> NoReturn:
     """Make a node and run it to its end or until it is asked to end; exits the process.
 
     Exit status: 0 if it did what it was started for or was asked to end, 1 if it failed, 2 on bad
-    input, with one line on standard error. With `--help` it only says which parameters it has.
+    input, with one line on standard error. With `--help` it only says which parameters it has, with
+    those given that it takes: which there are can depend on them.
     """
     status = _run(make, args)
     end_within(PATIENCE, status)
@@ -150,7 +151,7 @@ def run(make: Callable[[], Shell], args: list[str] | None = None) -> NoReturn:
 
 def _run(make: Callable[[], Shell], args: list[str] | None) -> int:
     with _asked_to_end() as asked:
-        node, status = None, FAILED
+        node, status, own, helping = None, FAILED, args, False
         if not any(name in os.environ for name in ASKED):
             os.environ[TRANSPORTS] = "UDPv4"
         try:
@@ -158,8 +159,7 @@ def _run(make: Callable[[], Shell], args: list[str] | None) -> int:
             helping = any(word in own for word in WORDS)
             if own and not helping:
                 raise MicrogripperError(f"unknown argument {own[0]!r:.60}; see --help")
-            given = [] if helping else args
-            rclpy.init(args=given, signal_handler_options=SignalHandlerOptions.NO)
+            rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
             node = make()
             if helping:
                 print(usage(node))
@@ -174,7 +174,9 @@ def _run(make: Callable[[], Shell], args: list[str] | None) -> int:
                 if node is not None:
                     node.destroy_node()
                 try_shutdown()
-        return status
+    if helping and own != args:  # what is given with it is refused: that has been told
+        return _run(make, own)
+    return status
 
 
 def _spin(node: Shell, asked: list[int]) -> int:

@@ -35,10 +35,6 @@ NODES: dict[str, type[Shell]] = {
     "identifier": Identifier,
     "diagnoser": Diagnoser,
 }
-NEEDED = {
-    "player": ["-p", "recording:=wave.csv", "-p", "pace:=samples"],
-    "identifier": ["-p", "recordings:=[wave.csv]"],
-}
 
 
 def flat(values: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
@@ -56,11 +52,10 @@ def make(
 ) -> Iterator[Callable[..., Shell]]:
     """Makes a node in the test's process, with arguments as on the command line."""
     monkeypatch.chdir(tmp_path)
-    Path("wave.csv").write_text("time_s,voltage_V\n" + "".join(f"{k}e-3,{k}\n" for k in range(20)))
     made: list[Shell] = []
 
     def make(name: str, *args: str) -> Shell:
-        ros("--ros-args", *NEEDED.get(name, []), *args)
+        ros("--ros-args", *args)
         made.append(NODES[name]())
         return made[-1]
 

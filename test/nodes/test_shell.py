@@ -93,10 +93,14 @@ def test_asked_for_help_it_says_what_its_parameters_are_and_does_nothing(
         in out
     )
     assert "qos_overrides" not in out
+    assert "kp = -1 is outside its range" in err
     assert "ready" not in err
 
 
-@pytest.mark.parametrize("make", [PlantSimulator, ControllerNode, Reference, Recorder, Diagnoser])
+@pytest.mark.parametrize(
+    "make",
+    [PlantSimulator, ControllerNode, Reference, Recorder, Player, Diagnoser, Identifier],
+)
 def test_help_is_had_without_parameters_and_leaves_nothing_behind(
     ros_domain: dict[str, str],
     tmp_path: Path,
@@ -109,6 +113,20 @@ def test_help_is_had_without_parameters_and_leaves_nothing_behind(
     assert status == 0
     assert out.startswith("usage: ")
     assert [path.name for path in tmp_path.iterdir()] in ([], ["ros_log"])
+
+
+def test_help_is_about_the_parameters_that_are_asked_for(
+    ros_domain: dict[str, str], monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    words = ("--help", "--ros-args", "-p", "segments:=[wave]", "-p", "wave.length:=2.0")
+    status, out, _ = asked(monkeypatch, capfd, *words, make=Reference)
+    assert status == 0
+    assert "  wave.frequency (now 1.0)\n" in out
+    words = ("--help", "--ros-args", "-p", "shape:=multisine")
+    status, out, _ = asked(monkeypatch, capfd, *words, make=Reference)
+    assert status == 0
+    assert "  shape (now 'multisine')\n" in out
+    assert "  highest (now " in out
 
 
 def test_a_word_that_no_node_knows_is_refused(
