@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import io
+import os
 import sys
 from typing import Any
 
@@ -46,6 +47,7 @@ for command in COMMANDS:
 
 
 BAD_INPUT = 2
+STANDARD_OUTPUT = 1  # its descriptor
 VALIDATORS_OWN = "Value error, "  # what typer's validator says before what is wrong
 UsageError: Any = typer.BadParameter.__base__  # typer exports it not, and may bring its own click
 
@@ -59,9 +61,7 @@ def main() -> None:
     except MicrogripperError as error:
         problem = str(error)
     except OSError as error:
-        if error.errno != errno.ENAMETOOLONG:
-            raise
-        problem = f"{error.filename!s:.60}...: is too long a name for a file"
+        problem = _mendable(error)
     except UsageError as error:
         problem = one_line(error.format_message()).replace(VALIDATORS_OWN, "")
         if not problem:  # no arguments at all: the help has been shown instead
@@ -71,3 +71,14 @@ def main() -> None:
             problem += f"; see {error.ctx.command_path} --help"
     print(f"microgripper: {problem}", file=sys.stderr)
     sys.exit(BAD_INPUT)
+
+
+def _mendable(error: OSError) -> str:
+    """What to say of an error that the user can mend; any other is raised again."""
+    if error.errno == errno.ENAMETOOLONG:
+        return f"{error.filename!s:.60}...: is too long a name for a file"
+    if error.errno in (errno.ENOSPC, errno.EIO) and error.filename is None:
+        # At its end Python would try to write once more what is left, and complain at length.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), STANDARD_OUTPUT)
+        return f"the output cannot be written: {error.strerror}"
+    raise error

@@ -169,6 +169,7 @@ def _gain_margin(loop: NDArray[np.complex128]) -> float:
     """1/|L| where L crosses the negative real axis inside the unit circle, the smallest."""
     before, after = loop[:-1], loop[1:]
     crosses = np.signbit(before.imag) != np.signbit(after.imag)
+    crosses &= before.imag != after.imag  # from -0 to 0 it is real, and crosses nothing
     share = before.imag[crosses] / (before.imag - after.imag)[crosses]
     real = before.real[crosses] + share * (after - before).real[crosses]
     real = np.append(real, loop[-1].real)  # at half the sampling rate L is real

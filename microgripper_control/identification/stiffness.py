@@ -19,6 +19,7 @@ from microgripper_control.core.signals import Array
 from microgripper_control.identification.confidence import LEVEL, interval
 
 FEWEST = 3  # points: two lie on a line whatever they mean
+SIZES = 1e-50, 1e50  # N, m: squares of more, and quotients by those of less, are no numbers
 
 
 @dataclass(frozen=True)
@@ -41,9 +42,10 @@ class Stiffness:
 def fit_stiffness(force: Array, displacement: Array, name: str = "flexure") -> Stiffness:
     """Least-squares line through displacements (m) at forces (N), both of shape (n,), n >= 3.
 
-    Raises MicrogripperError that begins with `name` for too few points, values that are not finite,
-    a force that never changes, and data that show no stiffness: a displacement that does not rise
-    with the force, or rises less than its scatter lets one say.
+    Raises MicrogripperError that begins with `name` for too few points, values that are not finite
+    or of no size to reckon with (1e-50 to 1e50), a force that never changes, and data that show no
+    stiffness: a displacement that does not rise with the force, or rises less than its scatter lets
+    one say.
     """
     if len(force) != len(displacement) or len(force) < FEWEST:
         raise MicrogripperError(
@@ -52,6 +54,8 @@ def fit_stiffness(force: Array, displacement: Array, name: str = "flexure") -> S
         )
     if not (np.all(np.isfinite(force)) and np.all(np.isfinite(displacement))):
         raise MicrogripperError(f"{name}: a force or displacement is not finite; remove it")
+    _check_size(force, f"{name}: the largest force", "N")
+    _check_size(displacement, f"{name}: the largest displacement", "m")
     if np.ptp(force) == 0.0:
         raise MicrogripperError(f"{name}: the force is {force[0]:g} N throughout; vary it")
     offset, slope, variance = _line(force, displacement)
@@ -72,6 +76,15 @@ def fit_stiffness(force: Array, displacement: Array, name: str = "flexure") -> S
         bend_seen=seen,
         points=len(force),
     )
+
+
+def _check_size(values: Array, what: str, unit: str) -> None:
+    low, high = SIZES
+    size = float(np.max(np.abs(values)))
+    if size > 0.0 and not low <= size <= high:  # that all are zero has a meaning, told elsewhere
+        raise MicrogripperError(
+            f"{what} is {size:g} {unit}, outside {low:g} .. {high:g} {unit}; check the unit"
+        )
 
 
 def _line(force: Array, displacement: Array) -> tuple[float, float, float]:

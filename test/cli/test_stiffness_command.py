@@ -43,6 +43,11 @@ def test_the_stiffness_of_a_csv(microgripper: Run, data: Path) -> None:
         ("force,displacement_m\n1,2\n", "no columns named 'force_N'"),
         ("force_N,displacement_m\n1,a\n", "'a' in column 'displacement_m' is not a number"),
         ("force_N,displacement_m\n1,2\n2,3\n", "at least 3 pairs"),
+        (
+            "force_N,displacement_m\n0,0\n1e200,1e200\n2e300,2e300\n",
+            "bad.csv: the largest force is 2e+300 N, outside 1e-50 .. 1e+50 N; check the unit",
+        ),
+        ("force_N,displacement_m\n0,0\n1e-200,1e-200\n2e-200,2e-200\n", "is 2e-200 N, outside"),
     ],
 )
 def test_bad_data_get_one_line_and_status_2(

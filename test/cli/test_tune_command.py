@@ -44,6 +44,7 @@ def test_gains_of_ones_own_stand_beside_what_suits(microgripper: Run) -> None:
     alone = microgripper("tune", "--model", MODEL, "--kp", "1e6", "--ki", "0", "--json").out
     assert json.loads(alone)["margins"]["phase"] is None  # |L| = 0.14 at all frequencies
     assert "inf" not in microgripper("tune", "--model", MODEL, "--kp", "1e6", "--ki", "0").out
+    assert microgripper("tune", "--model", MODEL, "--ki", "0").err == ""
     swings = microgripper("tune", "--model", MODEL, "--ki", "8e9")
     assert swings.status == 0
     assert "the loop is unstable with these gains" in swings.out

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -48,6 +50,14 @@ def test_a_name_that_no_file_can_have_is_one_line(microgripper: Callable[..., An
     ran = microgripper("identify", "r.csv", "--model", "m" * 300, "--out", "y")
     assert (ran.status, ran.out, ran.err.count("\n")) == (2, "", 1)
     assert "too long" in ran.err
+
+
+def test_an_output_that_is_full_is_one_line() -> None:
+    words = [sys.executable, "-m", "microgripper_control", "effects"]
+    with Path("/dev/full").open("w") as full:
+        ran = subprocess.run(words, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert ran.returncode == 2
+    assert ran.stderr == "microgripper: the output cannot be written: No space left on device\n"
 
 
 def test_an_option_without_its_value_is_one_line(microgripper: Callable[..., Any]) -> None:

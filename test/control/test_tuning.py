@@ -126,6 +126,12 @@ def _step_response(model: Model, gains: PidGains, sample_period: float, count: i
     return x
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_loop_that_does_nothing_crosses_nothing(identified: Identified) -> None:
+    margins = loop_margins(identified, PidGains(ki=0.0), T)
+    assert margins == Margins(math.inf, math.inf, 0.0)
+
+
 def test_an_unstable_loop_has_no_margin(identified: Identified) -> None:
     margins = loop_margins(identified, PidGains(ki=1.1 / (identified.gain * T)), T)
     assert margins == Margins(0.0, 0.0, 0.0)
