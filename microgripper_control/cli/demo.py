@@ -30,11 +30,13 @@ from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.files import make_folder
 from microgripper_control.demo.experiment import record_fault, run_experiment
 from microgripper_control.demo.fault import Fault, drawn_fault
+from microgripper_control.demo.fresh_bag import DIAGNOSIS, PAGE
 from microgripper_control.demo.plan import MODES, controllers_model
 from microgripper_control.demo.tracking import Tracking, tracking
 from microgripper_control.diagnosis.diagnose import diagnose
 from microgripper_control.diagnosis.findings import Diagnosis
 from microgripper_control.diagnosis.result_file import as_json as diagnosis_json
+from microgripper_control.effects.sensor.sensor_noise import LARGEST_SEED
 from microgripper_control.identification.fit import Fit, fit
 from microgripper_control.plant.model import Model
 from microgripper_control.plant.model_file import save_model
@@ -48,13 +50,13 @@ from microgripper_control.report.demo_page import (
 )
 
 SCHEMA = "microgripper-demo/1"
-DIAGNOSIS = "diagnosis"  # folder of its files
 
 
 def demo(
     out: Annotated[Path, typer.Option("--out", metavar="DIR")] = Path("out/demo"),
     seed: Annotated[
-        int, typer.Option(help="Of the sensor noise and of what goes wrong.", min=0)
+        int,
+        typer.Option(help="Of the sensor noise and of what goes wrong.", min=0, max=LARGEST_SEED),
     ] = 1,
     json_: JsonOption = False,
 ) -> None:
@@ -63,7 +65,7 @@ def demo(
         raise MicrogripperError(
             "demo: ROS 2 is not there; source one, or pip install 'microgripper_control[ros]'"
         )
-    console, page = Console(highlight=False, soft_wrap=True, quiet=json_), out / "index.html"
+    console, page = Console(highlight=False, soft_wrap=True, quiet=json_), out / PAGE
     with interruptible():
         fitted, parts, first = _identify(out, seed, console)
         fault = drawn_fault(seed)

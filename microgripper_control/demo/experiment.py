@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,7 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from microgripper_control.core.errors import MicrogripperError
+from microgripper_control.core.files import make_folder
 from microgripper_control.demo.fault import DRIVE, Fault, write_fault
+from microgripper_control.demo.fresh_bag import fresh_bag
 from microgripper_control.demo.plan import (
     MODES,
     NOISE,
@@ -50,16 +51,14 @@ def run_experiment(folder: Path, seed: int, progress: Progress) -> Experiment:
 
     Plant and recorder run throughout, a controller and a reference for each mode.
     """
-    _refuse_bags_of_others(folder)
-    bag = folder / BAG
+    _refuse_bags_of_others(make_folder(folder))
     rig, believed, reference = write_settings(folder)
-    shutil.rmtree(bag, ignore_errors=True)
     rate = 1.0 / SAMPLE_PERIOD
     length = length_of(SEGMENTS)
     # Like the plant's stamps, so that the runs stay where they are if somebody sets the clock.
     start_of_clock = time.time() - time.monotonic()
     runs = []
-    with Nodes(folder / "log") as nodes:
+    with fresh_bag(folder, BAG) as bag, Nodes(folder / "log") as nodes:
         plant = nodes.start(
             "plant_simulator", model_file=rig, sample_rate=rate, noise_std=NOISE, seed=seed
         )
@@ -90,7 +89,7 @@ def run_experiment(folder: Path, seed: int, progress: Progress) -> Experiment:
         progress("closing the bag")
         nodes.end(recorder)
         nodes.end(plant)
-    return Experiment(bag, tuple(runs))
+    return Experiment(folder / BAG, tuple(runs))
 
 
 def _refuse_bags_of_others(folder: Path) -> None:
@@ -105,11 +104,10 @@ def _refuse_bags_of_others(folder: Path) -> None:
 def record_fault(folder: Path, fault: Fault, seed: int) -> Path:
     """Record the rig with a fault, driven open loop in lockstep; the bag's folder."""
     rig, drive = write_fault(folder, fault)
-    bag = folder / BAG_WITH_FAULT
-    shutil.rmtree(bag, ignore_errors=True)
     rate, length = 1.0 / SAMPLE_PERIOD, length_of(DRIVE)
     lockstep: dict[str, Any] = {"lockstep": True, "lockstep_timeout": STARTING}
-    with Nodes(folder / "log" / "with_fault") as nodes:
+    logs = folder / "log" / "with_fault"
+    with fresh_bag(folder, BAG_WITH_FAULT) as bag, Nodes(logs) as nodes:
         recorder = nodes.start("recorder", out=bag)
         controller = nodes.start(
             "controller",
@@ -141,4 +139,4 @@ def record_fault(folder: Path, fault: Fault, seed: int) -> Path:
             nodes.wait_for(node, STARTING + SLOWEST * length)
         for node in (setpoints, controller, recorder, plant):
             nodes.end(node)
-    return bag
+    return folder / BAG_WITH_FAULT

@@ -21,6 +21,7 @@ from microgripper_control.plant.model_file import save_model
         (("identify", "--modell", "x"), "--modell"),
         (("identfy",), "identfy"),
         (("simulate", "--hold", "second", "x.csv"), "'--hold': 'second' is not one of"),
+        (("demo", "--seed", "2147483648"), "--seed"),
         (("validate", "--seed", "-1", "--out", "x"), "--seed"),
         (("validate", "--jobs", "0", "--out", "x"), "-1 is one a core"),
     ],
