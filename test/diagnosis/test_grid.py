@@ -85,6 +85,26 @@ def test_readings_that_are_late_are_on_no_grid() -> None:
     assert resolution(np.repeat(loops()[::8], 8)) == 0.0
 
 
+def with_a_bit_that_sticks(position: Array, step: float) -> Array:
+    """Of a converter whose bit of half a `step`, m, is always set: half of all readings are none."""
+    half = 0.5 * step
+    return position + half * (np.floor(position / half) % 2.0 == 0.0)
+
+
+@pytest.mark.parametrize("lag", [0.0, 5e-3])
+def test_a_bit_that_sticks_leaves_bands_and_no_grid(lag: float) -> None:
+    """Their density is a comb, too; but within a band the readings go with the voltage."""
+    time = 1e-3 * np.arange(12_000)
+    voltage = 80.0 - 70.0 * np.cos(2.0 * np.pi * 0.7 * time)
+    rig = nominal_model().with_link("sensor_lag", time_constant=lag)
+    noise = 12e-9 * np.random.default_rng(5).standard_normal(len(time))
+    position = simulate(rig, voltage, 1e-3) + noise
+    stuck = Recording("stuck", 1e-3, voltage, with_a_bit_that_sticks(position, 600e-9))
+    assert grid_of([stuck]) == NO_GRID
+    coarse = 600e-9 * np.rint(position / 600e-9) + 5.0 * noise
+    assert grid_of([Recording("coarse", 1e-3, voltage, coarse)]).step == pytest.approx(600e-9, 0.01)
+
+
 def test_a_few_readings_tell_nothing() -> None:
     assert resolution(np.array([0.0, 1e-7, 2e-7, 1e-7, 0.0] * 2)) == 0.0
 

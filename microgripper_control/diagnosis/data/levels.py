@@ -18,6 +18,8 @@ BINS = 1 << 16  # of the range of all readings
 SHARP = 0.4  # how far a comb's density follows its step, noise of a fifth of a step and less,
 ALONE = 0.6  # and how far, of that, it may follow any other
 AGAIN = 2.0  # times that a reading is come back to: one that is merely late is not
+ALONG = 0.5  # of how far readings go with the voltage: at a level of a grid they do not go,
+LEAP, MOVES = 0.3, 0.03  # of a step: what goes on is no jump, and what there should be to go, rms
 MISSING = 1.5  # usual steps: a wider one has a level within that is never shown,
 CROSSED = 0.5  # if so much of what passes it goes from end to end: else it was leapt over,
 OWNER = 1.5  # and is shown by that end, if by either, that is read so much oftener
@@ -38,7 +40,8 @@ def grid_of(recordings: Sequence[Recording]) -> Grid:
     if (grid := _of_half([_on_levels(one) for one in readings])) != NO_GRID:
         return grid
     if step := _comb_step(readings):
-        return Grid.even(step)
+        bands = any(_goes_along(one, _nearest(one.measured, step), step) for one in recordings)
+        return NO_GRID if bands else Grid.even(step)
     return _of_half([_gathered(one) for one in recordings])
 
 
@@ -135,6 +138,39 @@ def _comb_step(readings: Sequence[Array]) -> float:
     return widest / float(near[np.argmax(sum(np.abs(turns @ one) for one in combs))])
 
 
+def _nearest(displacement: Array, step: float) -> Indices:
+    """The number of the level of a grid, wherever that begins, at which each reading is."""
+    turns = displacement / step
+    phase = np.angle(np.mean(np.exp(2j * np.pi * turns))) / (2.0 * np.pi)
+    return np.asarray(np.rint(turns - phase), dtype=np.intp)
+
+
+def _goes_along(recording: Recording, level: Indices, step: float) -> bool:
+    """Whether readings go with the voltage even while they stay at a `level`, which is none then.
+
+    Of a converter with a bit that sticks whole bands of readings are missing, and a comb is left.
+    Within a band they jump as well, by its width, but they go along in between.
+    """
+    caused, shown = recording.voltage[:-1], recording.measured[1:]
+    leaves = (np.diff(level[1:]) != 0) | (np.abs(np.diff(shown)) > LEAP * step)
+    stay = np.concatenate([[0], np.cumsum(leaves)])
+    whole = _slope(caused - np.mean(caused), shown - np.mean(shown))
+    caused, shown = _off_means(caused, stay), _off_means(shown, stay)
+    moves = whole * float(np.sqrt(np.mean(caused**2))) > MOVES * step
+    return moves and _slope(caused, shown) > ALONG * whole
+
+
+def _off_means(values: Array, group: Indices) -> Array:
+    """Values less the mean of each one's group."""
+    means = np.bincount(group, values) / np.bincount(group)
+    return np.asarray(values - means[group])
+
+
+def _slope(caused: Array, shown: Array) -> float:
+    power = float(caused @ caused)
+    return float(caused @ shown) / power if power > 0.0 else 0.0
+
+
 def _density(displacement: Array, widest: float) -> Array:
     """The square root of how often readings are in each of the bins of a range, m; sum 1."""
     low = float(np.min(displacement))
@@ -165,6 +201,8 @@ def _gathered(recording: Recording) -> Grid:
     step = float(np.median(np.diff(levels)))
     narrow = [group for group in groups if np.ptp(group) < NARROW * step]
     if sum(len(group) for group in narrow) < MOSTLY * len(readings):
+        return NO_GRID
+    if _goes_along(recording, np.searchsorted(readings[clefts], recording.measured), step):
         return NO_GRID
     number = np.cumsum(many) - 1  # of the groups that are left
     return Grid(step, _left_by_rounding(levels, number[walk[many[walk]]], step))
