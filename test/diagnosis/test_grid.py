@@ -86,7 +86,7 @@ def test_readings_that_are_late_are_on_no_grid() -> None:
 
 
 def with_a_bit_that_sticks(position: Array, step: float) -> Array:
-    """Of a converter whose bit of half a `step`, m, is always set: half of all readings are none."""
+    """Of a converter whose bit of half a `step`, m, is always set: half of all are never read."""
     half = 0.5 * step
     return position + half * (np.floor(position / half) % 2.0 == 0.0)
 
