@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 from rclpy.node import Node
@@ -42,7 +41,12 @@ COMMAND_TIMEOUT = Parameter(
     "0: it holds the last one",
 )
 INITIAL_VOLTAGE = Parameter(
-    "initial_voltage", "V", 0.0, -math.inf, math.inf, "at which the rig rests when it begins"
+    "initial_voltage",
+    "V",
+    0.0,
+    -1e4,
+    1e4,
+    "at which the rig rests when it begins; clipped to its range, as commands are",
 )
 GUARD = {"safe_voltage": "safe", "ramp_rate": "ramp_rate"}  # of the node -> of VoltageLimits
 
@@ -65,8 +69,7 @@ def declare(node: Node) -> None:
         usual = limits[field]
         nominal = min(max(0.0, low), high) if field == "safe" else usual.nominal
         declare_number(node, replace(usual, name=name, nominal=nominal))
-    start = replace(INITIAL_VOLTAGE, nominal=min(max(0.0, low), high), low=low, high=high)
-    declare_number(node, start)
+    declare_number(node, replace(INITIAL_VOLTAGE, nominal=min(max(0.0, low), high)))
     settings = model.settings.get(NOISE.name, {})
     for name, key in NOISE_PARAMETERS.items():
         declared = NOISE.parameter(key)

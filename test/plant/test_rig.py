@@ -3,6 +3,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import pytest
 
 from microgripper_control.plant.model import nominal_model
 from microgripper_control.plant.rig import Rig
@@ -57,3 +58,18 @@ def test_a_command_during_missed_ticks_waits_for_the_next_one() -> None:
     assert rig.voltage == 100.0
     held = simulate(nominal_model(), np.array([50.0, 50.0, 100.0, 100.0]), 1e-3)
     assert rig.position == held[2]
+
+
+@pytest.mark.parametrize(("asked", "begins"), [(120.0, 120.0), (160.02, 160.0), (-0.1, 0.0)])
+def test_it_begins_at_rest_where_it_is_asked_to_within_its_range(
+    asked: float, begins: float
+) -> None:
+    """A recording's first voltage may lie a reading's noise beyond it."""
+    rig = Rig(nominal_model(), T, asked)
+    positions = []
+    for _ in range(3):
+        rig.tick()
+        assert rig.voltage == begins
+        positions.append(rig.position)
+    assert positions == pytest.approx(positions[:1] * 3, rel=1e-12)
+    assert rig.clipped == 0
