@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -12,6 +13,17 @@ from hypothesis import settings
 from microgripper_control.demo.domain import DISCOVERY_VARIABLES, unused_domain
 
 settings.register_profile("chaos", max_examples=500, deadline=None)
+
+
+@pytest.fixture
+def hangup() -> Iterator[None]:
+    """SIGHUP is not ignored, as it is by tests that `nohup` has started, and by their processes.
+
+    Whatever becomes of it in a test, it is as it was after it.
+    """
+    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    yield
+    signal.signal(signal.SIGHUP, before)
 
 
 @pytest.fixture

@@ -6,7 +6,6 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
 
 import pytest
 
@@ -16,21 +15,13 @@ from microgripper_control.core.ending import ending_signals
 ALL = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
-@pytest.fixture
-def hangup() -> Iterator[None]:
-    """Whatever becomes of SIGHUP in a test, it is as it was after it."""
-    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
-    yield
-    signal.signal(signal.SIGHUP, before)
-
-
 def test_a_closed_terminal_asks_to_end_unless_that_is_to_be_outlived(hangup: None) -> None:
     assert ending_signals() == ALL
     signal.signal(signal.SIGHUP, signal.SIG_IGN)  # as nohup does
     assert ending_signals() == ALL[:2]
 
 
-def test_what_runs_in_the_background_is_asked_by_an_interrupt_all_the_same() -> None:
+def test_what_runs_in_the_background_is_asked_by_an_interrupt_all_the_same(hangup: None) -> None:
     """A shell that starts something in the background has it ignore SIGINT."""
     script = "from microgripper_control.core.ending import ending_signals as s; print(len(s()))"
     command = f"'{sys.executable}' -c '{script}' & wait"

@@ -109,7 +109,9 @@ def test_the_demo_identifies_and_diagnoses_its_rig_and_leaves_nothing_running(
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_a_demo_that_is_stopped_stops_its_nodes(start: Start, tmp_path: Path, number: int) -> None:
+def test_a_demo_that_is_stopped_stops_its_nodes(
+    hangup: None, start: Start, tmp_path: Path, number: int
+) -> None:
     out = tmp_path / "demo"
     process = start(out)
     deadline = time.monotonic() + PATIENCE

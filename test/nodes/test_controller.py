@@ -198,7 +198,7 @@ def test_the_parameters_of_a_running_controller(
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
 def test_in_the_end_the_voltage_is_brought_down(
-    start: Start, watcher: Watcher, number: int
+    hangup: None, start: Start, watcher: Watcher, number: int
 ) -> None:
     loop = Loop(start, watcher, mode="open_loop", ramp_rate=1000, safe_voltage=10)
     loop.answer(0.0, 0.0)

@@ -145,7 +145,9 @@ def test_a_parameter_that_it_has_not_is_told(start: Start) -> None:
     assert "kp:" not in controller.log
 
 
-def test_every_node_ends_by_signal_with_exit_status_0(start: Start, tmp_path: Path) -> None:
+def test_every_node_ends_by_signal_with_exit_status_0(
+    hangup: None, start: Start, tmp_path: Path
+) -> None:
     save = tmp_path / "wave.csv"
     save.write_text("time_s,voltage_V\n" + "".join(f"{k / 1000},{k % 50}\n" for k in range(100)))
     nodes = [
