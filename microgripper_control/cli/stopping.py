@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-from microgripper_control.core.ending import ending_signals
+from microgripper_control.core.ending import ending_signals, handled
 
 
 @contextmanager
@@ -17,10 +17,5 @@ def interruptible() -> Iterator[None]:
     def interrupt(number: int, frame: FrameType | None) -> None:
         raise KeyboardInterrupt
 
-    others = [number for number in ending_signals() if number is not signal.SIGINT]
-    before = {number: signal.signal(number, interrupt) for number in others}
-    try:
+    with handled([one for one in ending_signals() if one is not signal.SIGINT], interrupt):
         yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

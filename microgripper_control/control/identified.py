@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
 
@@ -81,10 +81,9 @@ class Identified:
     def of(cls, model: Known) -> Identified:
         """What a controller needs of a model, its delays, lags and modes and its zero too."""
         material, mechanics = model.values("bouc_wen"), model.values("second_order")
-        found = cls.from_values(
-            material, mechanics, model.voltage_range, model.dead_time, model.ringing
+        return cls.from_values(
+            material, mechanics, model.voltage_range, model.dead_time, model.ringing, model.zero
         )
-        return replace(found, zero=model.zero)
 
     @classmethod
     def from_values(
@@ -94,10 +93,13 @@ class Identified:
         voltage_range: tuple[float, float],
         dead_time: float = 0.0,
         ringing: float = 0.0,
+        zero: float = 0.0,
     ) -> Identified:
         """Make one of the values of the links `bouc_wen` and `second_order`, by parameter name."""
         chosen = _chosen(bouc_wen.LINK, material) | _chosen(second_order.LINK, mechanics)
-        return cls(**chosen, voltage_range=voltage_range, dead_time=dead_time, ringing=ringing)
+        return cls(
+            **chosen, voltage_range=voltage_range, dead_time=dead_time, ringing=ringing, zero=zero
+        )
 
     @cached_property
     def a(self) -> float:

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import signal
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from types import FrameType
 
 
 def ending_signals() -> tuple[signal.Signals, ...]:
@@ -13,3 +16,24 @@ def ending_signals() -> tuple[signal.Signals, ...]:
     """
     outlives = signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
     return (signal.SIGINT, signal.SIGTERM, *([] if outlives else [signal.SIGHUP]))
+
+
+@contextmanager
+def handled(
+    signals: Iterable[signal.Signals], handler: Callable[[int, FrameType | None], None]
+) -> Iterator[None]:
+    """Inside, a handler takes some signals; afterwards they are taken as before."""
+    before = {number: signal.signal(number, handler) for number in signals}
+    try:
+        yield
+    finally:
+        for number, old in before.items():
+            signal.signal(number, old)
+
+
+@contextmanager
+def asked_to_end() -> Iterator[list[int]]:
+    """Inside, what asks to end does nothing but get into the list."""
+    asked: list[int] = []
+    with handled(ending_signals(), lambda number, frame: asked.append(number)):
+        yield asked

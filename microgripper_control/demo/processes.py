@@ -19,9 +19,9 @@ import time
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from types import FrameType, TracebackType
+from types import TracebackType
 
-from microgripper_control.core.ending import ending_signals
+from microgripper_control.core.ending import asked_to_end
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.demo.domain import on_this_machine, unused_domain
 
@@ -143,15 +143,9 @@ class Nodes:
 def _interrupts_held_back() -> Iterator[list[int]]:
     """What asks to end takes effect when the context does; until then it is in the list."""
     held: list[int] = []
-
-    def hold(number: int, frame: FrameType | None) -> None:
-        held.append(number)
-
-    before = {n: signal.signal(n, hold) for n in ending_signals()}
     try:
-        yield held
+        with asked_to_end() as held:
+            yield held
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
         if held:
             signal.raise_signal(held[0])

@@ -64,12 +64,13 @@ def declare(node: Node) -> None:
     declare_numbers(node, (*NUMBERS, COMMAND_TIMEOUT))
     model = load_model(model_path(model_file))
     low, high = model.voltage_range
+    rest = min(max(0.0, low), high)
     limits = {parameter.name: parameter for parameter in VoltageLimits.parameters()}
     for name, field in GUARD.items():
         usual = limits[field]
-        nominal = min(max(0.0, low), high) if field == "safe" else usual.nominal
+        nominal = rest if field == "safe" else usual.nominal
         declare_number(node, replace(usual, name=name, nominal=nominal))
-    declare_number(node, replace(INITIAL_VOLTAGE, nominal=min(max(0.0, low), high)))
+    declare_number(node, replace(INITIAL_VOLTAGE, nominal=rest))
     settings = model.settings.get(NOISE.name, {})
     for name, key in NOISE_PARAMETERS.items():
         declared = NOISE.parameter(key)

@@ -17,14 +17,12 @@ from __future__ import annotations
 
 import gc
 import os
-import signal
 import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from types import FrameType
 from typing import Any, NoReturn
 
 import rclpy
@@ -35,7 +33,7 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args, try_shutdown
 
-from microgripper_control.core.ending import ending_signals
+from microgripper_control.core.ending import asked_to_end
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.parameters import Parameter
 from microgripper_control.nodes.health import PERIOD, Health, Reporter
@@ -150,7 +148,7 @@ def run(make: Callable[[], Shell], args: list[str] | None = None) -> NoReturn:
 
 
 def _run(make: Callable[[], Shell], args: list[str] | None) -> int:
-    with _asked_to_end() as asked:
+    with asked_to_end() as asked:
         node, status, own, helping = None, FAILED, args, False
         if not any(name in os.environ for name in ASKED):
             os.environ[TRANSPORTS] = "UDPv4"
@@ -216,22 +214,6 @@ def _work(node: Shell, executor: Executor, asked: list[int]) -> None:
                 node.report_if_due(now)
     finally:
         node.leave()
-
-
-@contextmanager
-def _asked_to_end() -> Iterator[list[int]]:
-    """Collect in a list what asks to end."""
-    asked: list[int] = []
-
-    def note(number: int, frame: FrameType | None) -> None:
-        asked.append(number)
-
-    before = {number: signal.signal(number, note) for number in ending_signals()}
-    try:
-        yield asked
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
 
 
 def _bad_input(node: Shell | None, message: str) -> int:

@@ -49,10 +49,6 @@ def pool_of(*trials: Trial, refit: float = 100e-9) -> Pool:
     return Pool(EVIDENCE, nominal=base, refit=base, tried=tried)
 
 
-def silent(*done: object) -> None:
-    """No progress shown."""
-
-
 # Backwards.
 
 
@@ -195,7 +191,7 @@ def test_of_what_takes_long_only_a_few_are_played(monkeypatch: pytest.MonkeyPatc
     base: Any = SimpleNamespace(trial=trial("sensor_lag"))
     monkeypatch.setattr(Pool, "leaves_more", lambda pool, one: False)
     evidence = loops(nominal_model())
-    rounds.play(evidence, [base], names, 3, pool_of(), silent, 1)
+    rounds.play(evidence, [base], names, 3, pool_of(), rounds.silent, 1)
     assert set(played) == {"friction", "creep", "backlash"}
 
 
