@@ -93,7 +93,7 @@ def test_a_grid_goes_behind_the_best_of_each_size(monkeypatch: pytest.MonkeyPatc
         return trial(*leader.effects, name, fitted=20e-9, judging=20e-9)
 
     monkeypatch.setattr(exploration, "behind", behind)
-    monkeypatch.setattr(Pool, "drop_refuted_grid", lambda pool: None)
+    monkeypatch.setattr(Pool, "drop_idle_grid", lambda pool: None)
     monkeypatch.setattr(Pool, "add", lambda pool, one: None)
     monkeypatch.setattr(exploration, "BEAM", 2)
     ways = [trial("creep", fitted=40e-9, judging=40e-9), trial(grid, fitted=45e-9, judging=45e-9)]

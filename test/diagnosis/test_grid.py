@@ -190,6 +190,15 @@ def test_a_grid_is_what_half_of_the_recordings_show() -> None:
     assert common_step([off, on]) == pytest.approx(STEP, rel=1e-6)
 
 
+def test_levels_that_a_staircase_leaps_over_once_or_twice_are_not_missing() -> None:
+    """Up and down again: what lies between two places is passed by a leap each way."""
+    up = np.repeat(np.sort(np.random.default_rng(8).uniform(0.0, 16e-6, 40)), 250)
+    places = np.concatenate([up, up[::-1]])
+    noisy = places + 10e-9 * np.random.default_rng(9).standard_normal(len(places))
+    recording = Recording("stairs", 1e-3, 1e7 * places, rounded(noisy))
+    assert grid_of([recording]) == pytest.approx(Grid.even(STEP), rel=1e-6)
+
+
 @pytest.mark.parametrize("noise", [0.0, 40e-9, 100e-9])
 def test_the_noise_under_a_grid(noise: float) -> None:
     """Rounding counts as noise until it is known to be rounding; its bow keeps its share."""

@@ -104,6 +104,16 @@ def test_readings_on_a_grid() -> None:
     assert said(residual)["sensor_quantization"].agrees is False
 
 
+@pytest.mark.parametrize(("step", "agrees"), [(5 * NOISE, True), (2 * NOISE, None)])
+def test_a_grid_speaks_only_where_it_adds_to_the_noise(step: float, agrees: bool | None) -> None:
+    """Readings whose noise is rounded as well: off by 1.8 and by 1.15 times as much."""
+    residual = planted(loops(), 0.0)
+    read = step * np.rint(residual.recording.measured / step)
+    error = residual.error + read - residual.recording.measured
+    coarse = Residual(Recording("grid", PERIOD, loops(), read), error, residual.counted)
+    assert said(coarse)["sensor_quantization"].agrees is agrees
+
+
 def test_creep_in_holds_and_its_opposite() -> None:
     voltage = staircase(60000)
     x, time = GAIN * voltage, PERIOD * np.arange(len(voltage))

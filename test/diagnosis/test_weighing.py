@@ -274,8 +274,27 @@ def test_a_grid_is_dropped_if_an_explanation_follows_the_readings_more_closely(
     pool = Pool(seen, trial(model, 90.0), trial(model, 90.0))  # type: ignore[arg-type]
     pool.tried[grid] = trial(model.with_link("sensor_quantization", resolution=200.0 * NM), 95.0)
     pool.tried[CREEP] = trial(model.with_link("creep"), error)
-    pool.drop_refuted_grid()
+    pool.drop_idle_grid()
     assert (grid in pool.tried) == kept
+    assert ("sensor_quantization" in pool.failures) != kept
+
+
+@pytest.mark.parametrize(("steps", "kept"), [(2.0, False), (2.2, False), (3.0, True), (3.9, True)])
+def test_a_grid_is_dropped_if_its_steps_hardly_add_to_the_noise(steps: float, kept: bool) -> None:
+    """20 nm of noise under steps of so many times that: an error of 1.15, 1.18, 1.32, 1.5 times."""
+    grid = frozenset(["sensor_quantization"])
+    step = steps * 20.0 * NM
+    model = nominal_model()
+    seen = float(np.hypot(20.0 * NM, step / np.sqrt(12.0)))
+    white = seen * np.random.default_rng(6).standard_normal(20_000)
+    left = Trial(model, (), (), seen, (white,))
+    noisy = SimpleNamespace(measured=white)
+    known = SimpleNamespace(fitted=[noisy], grid=Grid.even(step), rounded=False, nominal=model)
+    pool = Pool(known, left, left)  # type: ignore[arg-type]
+    behind = replace(left, model=model.with_link("sensor_quantization", resolution=step))
+    pool.tried |= {grid: behind, CREEP | grid: behind, CREEP: left}
+    pool.drop_idle_grid()
+    assert set(pool.tried) == ({grid, CREEP | grid, CREEP} if kept else {CREEP})
     assert ("sensor_quantization" in pool.failures) != kept
 
 

@@ -12,6 +12,7 @@ from microgripper_control.core.signals import Array
 BOWED = 0.15  # of a step, rms: what a real converter's grid is off the one it is taken for
 A_STEP, OFTEN = 1.2, 4.0  # values, if they are no more than a grid has; how often each is read
 TOO_CLOSE = 0.8  # of what rounding leaves: readings that follow a model closer are on no such grid
+MATTERS = 0.75  # of the noise: with rounding that leaves more a reading is off by a quarter more
 
 
 class Grid(NamedTuple):
@@ -40,6 +41,11 @@ def noise_under(floor: float, grid: Grid) -> float:
     Rounding looks like noise, but it is the grid's doing. Below the bow nothing can be told.
     """
     return min(floor, max(unrounded(floor, grid), BOWED * grid.step))
+
+
+def matters(grid: Grid, noise: float) -> bool:
+    """Whether rounding keeps readings much further from any model than their noise, m rms, does."""
+    return grid.rounding > MATTERS * noise
 
 
 def refuted(grid: Grid, error: float, readings: Sequence[Array]) -> bool:

@@ -21,7 +21,8 @@ AGAIN = 2.0  # times that a reading is come back to: one that is merely late is 
 ALONG = 0.5  # of how far readings go with the voltage: at a level of a grid they do not go,
 LEAP, MOVES = 0.3, 0.03  # of a step: what goes on is no jump, and what there should be to go, rms
 MISSING = 1.5  # usual steps: a wider one has a level within that is never shown,
-CROSSED = 0.5  # if so much of what passes it goes from end to end: else it was leapt over,
+CROSSED = 0.5  # if so much of what passes it goes from end to end, and more than a few times:
+LEAPS = 2  # else it was leapt over,
 OWNER = 1.5  # and is shown by that end, if by either, that is read so much oftener
 CLEFT = 3.0  # times the widest gap of as many readings at random
 GATHERED = 5  # readings at a level, at least, if noise was added to them
@@ -97,13 +98,13 @@ def _left_by_rounding(levels: Array, walk: Indices, step: float) -> float:
 def _crossed(walk: Indices, levels: int) -> NDArray[np.bool_]:
     """Whether the way from each level to the next is mostly gone by itself, shape (levels - 1,).
 
-    Where steps of a staircase leap over levels it is not.
+    Where steps of a staircase leap over levels it is not, nor does what leaps once or twice show.
     """
     low, high = np.minimum(walk[:-1], walk[1:]), np.maximum(walk[:-1], walk[1:])
     leaps = np.bincount(low, minlength=levels) - np.bincount(high, minlength=levels)
     passed = np.cumsum(leaps)[:-1]
     direct = np.bincount(low[high - low == 1], minlength=levels)[:-1]
-    mostly: NDArray[np.bool_] = direct > CROSSED * passed
+    mostly: NDArray[np.bool_] = direct > np.maximum(CROSSED * passed, LEAPS)
     return mostly
 
 

@@ -294,7 +294,7 @@ def _check_backwards(pool: Pool) -> None:
 
 def _add_chosen(pool: Pool, names: Sequence[str]) -> None:
     """Put effects that are read off, not fitted (a sensor's grid), behind the best explanations."""
-    pool.drop_refuted_grid()
+    pool.drop_idle_grid()
     leaders = [trial for size in range(1, MOST_EFFECTS) for trial in pool.best(size, BEAM)]
     for name in (n for n in names if is_read_off(n) and frozenset([n]) in pool.tried):
         for leader in leaders:

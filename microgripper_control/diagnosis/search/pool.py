@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from microgripper_control.core.quantities import quantity
 from microgripper_control.diagnosis.data.evidence import Evidence
-from microgripper_control.diagnosis.data.grid import NO_GRID, Grid, noise_under, refuted
+from microgripper_control.diagnosis.data.grid import NO_GRID, Grid, matters, noise_under, refuted
 from microgripper_control.diagnosis.data.noise import removable
 from microgripper_control.diagnosis.fits.credibility import incredible
 from microgripper_control.diagnosis.fits.trial import Trial, added
@@ -71,15 +72,20 @@ class Pool:
         if effects and (known is None or trial.both < known.both):
             self.tried[effects] = trial
 
-    def drop_refuted_grid(self) -> None:
-        """Forget a grid that some explanation follows the readings too closely for."""
+    def drop_idle_grid(self) -> None:
+        """Forget a grid that some explanation refutes, or that hardly adds to the noise."""
         chosen = [added for added in self.tried if any(is_read_off(name) for name in added)]
         others = [t.fitted_rmse for added, t in self.tried.items() if added not in chosen]
         readings = [recording.measured for recording in self.evidence.fitted]
         if refuted(self.grid, min(others, default=np.inf), readings):
-            for effects in chosen:
-                self._failed(effects, "the readings follow a model too closely")
-                del self.tried[effects]
+            why = "the readings follow a model too closely"
+        elif not matters(self.grid, self.noise_floor):
+            why = f"steps of {quantity(self.grid.step, 'm')} hardly add to the noise"
+        else:
+            return
+        for effects in chosen:
+            self._failed(effects, why)
+            del self.tried[effects]
 
     def _failed(self, effects: frozenset[str], why: str) -> None:
         if len(effects) == 1:

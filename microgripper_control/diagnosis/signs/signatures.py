@@ -13,7 +13,7 @@ import numpy as np
 
 from microgripper_control.core.quantities import percent, quantity, span
 from microgripper_control.diagnosis.data.evidence import rms
-from microgripper_control.diagnosis.data.grid import NO_GRID, Grid, refuted
+from microgripper_control.diagnosis.data.grid import NO_GRID, Grid, matters, refuted
 from microgripper_control.diagnosis.data.levels import grid_of
 from microgripper_control.diagnosis.data.residuals import Residual, gap_power
 from microgripper_control.diagnosis.findings import Signature
@@ -100,17 +100,17 @@ def sensor_quantization(residuals: Sequence[Residual], noise: float) -> list[Sig
         grid = NO_GRID
     distinct = min(len(np.unique(one)) / len(one) for one in readings)
     usual = max(float(np.median(np.diff(np.unique(one)))) for one in readings)
-    step, share = grid if grid != NO_GRID else Grid.even(usual)
-    size, rounded, floor = (quantity(length, "m") for length in (step, share, noise))
+    levels = grid if grid != NO_GRID else Grid.even(usual)
+    size, rounded, floor = (quantity(length, "m") for length in (*levels, noise))
     text = f"steps of {size}, {rounded} rms, with {floor} noise"
     if distinct > 0.5 and grid == NO_GRID:
         text = f"{percent(distinct)} of the readings differ, on no grid: no converter rounds them."
         return [Signature("sensor_quantization", False, text)]
-    if share > 0.3 * noise:
+    if matters(levels, noise):
         kind = "a grid" if grid != NO_GRID else "levels that repeat"
         text = f"The readings lie on {kind}: {text}."
         return [Signature("sensor_quantization", True, text)]
-    if share < 0.05 * noise:
+    if levels.rounding < 0.05 * noise:
         text = f"The readings' {text}, are far too fine to matter."
         return [Signature("sensor_quantization", False, text)]
     return [Signature("sensor_quantization", None, f"The readings' {text}, hardly matter.")]
