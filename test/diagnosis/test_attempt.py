@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.diagnosis.data.evidence import Evidence
+from microgripper_control.diagnosis.fits import fitting
 from microgripper_control.diagnosis.fits.fitting import Base, base_of, begun, extend
 from microgripper_control.diagnosis.fits.trial import Trial, unfitted
 from microgripper_control.diagnosis.search import attempt as attempts
@@ -179,3 +181,17 @@ def test_a_promise_on_stretches_is_none_of_what_their_own_beginning_takes() -> N
     evidence = Evidence.gather([recording], [recording], Conditions(), paper)
     bases = [base_of(evidence, refit_trial(evidence, nominal_trial(evidence, paper)))]
     assert promise(evidence, bases, "contact", ())[1] > 0.8
+
+
+def test_a_guess_beside_which_the_model_diverges_is_none_without_a_word(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    """LAPACK would print a line about numbers that are not finite."""
+    problem: Any = SimpleNamespace(
+        bounds=(np.full(2, -1.0), np.full(2, 1.0)), residuals=lambda z: np.ones(5)
+    )
+    slopes = np.ones((5, 2))
+    slopes[3, 1] = np.nan
+    with pytest.raises(FloatingPointError, match="diverges"):
+        fitting._met_half_way(problem, np.zeros(2), slopes, np.arange(2))
+    assert capfd.readouterr() == ("", "")

@@ -178,10 +178,15 @@ def _chord(problem: Problem, columns: Array, anew: Sequence[int]) -> Callable[[A
 
 
 def _met_half_way(problem: Problem, z: Array, jacobian: Array, base: Indices) -> Array:
-    """A better start: the base parameters go part of the way to where the guess wants them."""
+    """A better start: the base parameters go part of the way to where the guess wants them.
+
+    Raises FloatingPointError where the model diverges, which LAPACK would print a line about.
+    """
     low, high = problem.bounds
     residuals = problem.residuals(z)
     columns = jacobian[:, base]
+    if not (np.all(np.isfinite(columns)) and np.all(np.isfinite(residuals))):
+        raise FloatingPointError("the model diverges beside a guess")
     sizes = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
     wanted = np.linalg.lstsq(columns / sizes, residuals, rcond=SEEN)[0] / sizes
     best, least = z, float(residuals @ residuals)
