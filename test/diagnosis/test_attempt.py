@@ -23,11 +23,14 @@ from microgripper_control.diagnosis.search.attempt import (
     promise,
 )
 from microgripper_control.diagnosis.search.refit import nominal_trial, refit_trial
+from microgripper_control.effects.base import Scales
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.model import Model, nominal_model
 from microgripper_control.plant.simulate import simulate
 
 EFFECT = "restoring_force_hysteresis"
+NOTHING: Any = None
+SCALES = Scales(1e-3, 10.0, (0.0, 160.0), 1e3, (-1e-5, 1e-5), 5e7, 0.0038)
 PERIOD = 1e-4  # s: the rig rings between its samples, so that forces are costly
 
 
@@ -195,3 +198,35 @@ def test_a_guess_beside_which_the_model_diverges_is_none_without_a_word(
     with pytest.raises(FloatingPointError, match="diverges"):
         fitting._met_half_way(problem, np.zeros(2), slopes, np.arange(2))
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize(
+    ("fitted", "judging", "anew"),
+    [(14e-9, 67e-9, True), (14e-9, 40e-9, False), (30e-9, 67e-9, False)],
+)
+def test_what_follows_where_fitted_and_does_harm_where_judged_begins_from_the_nominal_model(
+    monkeypatch: pytest.MonkeyPatch, fitted: float, judging: float, anew: bool
+) -> None:
+    """The refit leaves 50 nm where it is fitted and 60 where it is judged."""
+
+    def creeping(fitted: float, judging: float) -> Trial:
+        errors = (np.full(4, judging),)
+        return Trial(nominal_model().with_link("creep"), (), (), fitted, errors)
+
+    base, far = (
+        Base(
+            Trial(nominal_model(), (), (), left, (np.full(4, 60e-9),)), np.ones(4), *2 * (NOTHING,)
+        )
+        for left in (50e-9, 400e-9)
+    )
+    ends = {id(base): creeping(fitted, judging), id(far): creeping(9e-9, 12e-9)}
+    evidence: Any = SimpleNamespace(scales=SCALES)
+    monkeypatch.setattr(
+        attempts, "on_a_part", lambda evidence, bases, name, most: (evidence, bases)
+    )
+    monkeypatch.setattr(attempts, "_starts", lambda evidence, bases, name, scrutiny: bases)
+    monkeypatch.setattr(attempts, "_from_all", lambda *given: [ends[id(given[1][0])]])
+    monkeypatch.setattr(attempts, "judged", lambda evidence, trial: trial)
+    found, _ = attempts._attempt(evidence, [base, far], "creep", Scrutiny(15_000))
+    assert found is ends[id(far) if anew else id(base)]
+    assert attempts._attempt(evidence, [base], "creep", Scrutiny(15_000))[0] is ends[id(base)]

@@ -48,6 +48,7 @@ CARRIED = 2  # fits of a part of the samples that are tried on all; of an effect
 BEGINNING = 8  # steps with nothing but the h that recordings start with,
 SETTLING_IN = 4  # and with the same derivatives, from a part of the samples to all of them
 MISLED = 1.5  # times what is left of a part: if all leave more, as the part shows it, it misleads
+FOLLOWS = 0.5  # of what the base leaves: a fit that leaves less has found something to follow
 ROUNDS, FALLING = 5, 0.8  # of a long fit, as long as each leaves less than so much of the last
 
 
@@ -107,7 +108,13 @@ def _attempt(
         return None, "no first guess explains anything"
     found.sort(key=lambda trial: trial.fitted_rmse)
     if part is evidence:
-        return _best_judged(evidence, found), ""
+        best = _best_judged(evidence, found)
+        if len(bases) > 1 and _does_harm(best, bases[0]):
+            # The refit has misled it; from the nominal model it may go another way.
+            starts = _starts(evidence, bases[-1:], name, scrutiny)
+            found = [best, *_from_all(evidence, bases[-1:], starts, name, scrutiny)]
+            best = _best_judged(evidence, sorted(found, key=lambda trial: trial.fitted_rmse))
+        return best, ""
     joins = bool(added(evidence, anchors[0].trial))
     if joins:
         found = found[:1]
@@ -173,6 +180,12 @@ def _gone_on_with(
     if len(running) < 2 or least > min(CLOSE * scrutiny.known, scrutiny.hopeless):
         return longer
     return [*longer, *(_while_it_falls(part, fit, steps) for fit in running)]
+
+
+def _does_harm(best: Trial, base: Base) -> bool:
+    """Whether a fit leaves far less than the base where fitted, and more where judged."""
+    follows = best.fitted_rmse < FOLLOWS * base.trial.fitted_rmse
+    return follows and best.rmse > base.trial.rmse
 
 
 def _best_judged(evidence: Evidence, found: Sequence[Trial]) -> Trial:
