@@ -58,7 +58,8 @@ def as_csv(bench: Bench) -> str:
     writer.writerow((*names, "goal", "outcome"))
     for name, measured in bench.rows.items():
         for x in measured.lines:
-            numbers = (x.figure.median, x.figure.low, x.figure.high)
+            known = "" if x.below else x.figure.median
+            numbers = (known, "" if x.below else x.figure.low, x.figure.high)
             fixed = (name, x.what, x.ours, x.against, x.theirs, *numbers)
             writer.writerow((*fixed, x.unit, bound(x), x.outcome))
     return text.getvalue()

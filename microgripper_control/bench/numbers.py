@@ -23,6 +23,8 @@ def plain(value: float) -> str:
 def figure(line: Line) -> str:
     """The figure of a line, with its quartiles where it was measured more than once."""
     low, median, high = line.figure
+    if line.below:
+        return f"below {plain(median)} {line.unit}"
     if line.unit == "s":
         return seconds(median)
     text = f"{plain(median)} {line.unit}"

@@ -41,7 +41,8 @@ def at_most(limit: float) -> Goal:
 class Line:
     """One measured figure; its `unit` says what it is: s, a ratio, a share.
 
-    `ours` and `theirs` are times in s where the figure is a ratio of two.
+    `ours` and `theirs` are times in s where the figure is a ratio of two. What was looked for may
+    be `below` the figure, and how far is not known.
     """
 
     what: str
@@ -51,6 +52,7 @@ class Line:
     goal: Goal | None = None
     ours: float | None = None
     theirs: float | None = None
+    below: bool = False
 
     @property
     def outcome(self) -> str:

@@ -90,6 +90,14 @@ def test_files_hold_the_same(bench: Bench) -> None:
     assert float(table[0]["figure"]) == 0.9
 
 
+def test_a_bound_that_was_not_reached_is_no_figure() -> None:
+    slower = Line("rate", "tried 1000 Hz", Spread.single(1000.0), "Hz", below=True)
+    bench = Bench({}, {"loop": Measured((slower,))}, quick=False)
+    assert "| below 1 000 Hz |" in as_markdown(bench, "performance.png")
+    (row,) = csv.DictReader(io.StringIO(as_csv(bench)))
+    assert (row["figure"], row["low"], row["high"]) == ("", "", "1000.0")
+
+
 def test_the_plot_is_drawn(bench: Bench, tmp_path: Path) -> None:
     draw_bench(tmp_path / "performance.png", bench)
     assert (tmp_path / "performance.png").stat().st_size > 10_000
