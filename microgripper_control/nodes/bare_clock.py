@@ -14,9 +14,9 @@ from rclpy.node import Node
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
+from microgripper_control.core.realtime import go_first
 from microgripper_control.nodes import topics
 from microgripper_control.nodes.pacing import Pace
-from microgripper_control.nodes.realtime import go_first
 from microgripper_control.nodes.round_trips import RoundTrips
 from microgripper_control.nodes.shell import EVENTS, EXECUTORS
 

@@ -36,6 +36,7 @@ from rclpy.utilities import remove_ros_args, try_shutdown
 from microgripper_control.core.ending import asked_to_end
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.parameters import Parameter
+from microgripper_control.core.realtime import HIGHEST, go_first
 from microgripper_control.nodes.health import PERIOD, Health, Reporter
 from microgripper_control.nodes.leaving import end_within, no_longer_than
 from microgripper_control.nodes.parameters import (
@@ -45,7 +46,6 @@ from microgripper_control.nodes.parameters import (
     unknown_parameters,
 )
 from microgripper_control.nodes.qos import events_of
-from microgripper_control.nodes.realtime import HIGHEST, go_first
 from microgripper_control.nodes.topics import NAMESPACE
 from microgripper_control.nodes.usage import WORDS, usage
 

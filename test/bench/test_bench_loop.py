@@ -17,6 +17,8 @@ from microgripper_control.bench.numbers import figure
 from microgripper_control.bench.row import Effort, Line, Measured
 from microgripper_control.bench.rows import loop
 
+PRIORITY = "real-time priority"
+
 
 def trips(slow: float = 1.0, missed: float = 0.0) -> Trips:
     """A run of 1000 ticks, `slow` times as long and as uneven as another one."""
@@ -44,6 +46,7 @@ def measured(
         monkeypatch.setattr(loop, "run_loop", run_loop)
         return loop.measure(Effort(tmp_path))
 
+    monkeypatch.setattr(loop, "refusal", lambda priority: None)
     return measure
 
 
@@ -95,3 +98,13 @@ def test_rates_above_one_that_fails_are_not_tried() -> None:
     assert found.rate == 2.0
     assert tried == [1.0, 4.0, 2.0, 3.0]
     assert found.tried == (1.0, 2.0, 3.0, 4.0)
+
+
+def test_what_is_not_permitted_is_not_told_as_measured(
+    measured: Callable[..., Measured], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(loop, "refusal", lambda priority: "Operation not permitted; see the limit")
+    found = measured(lambda rate: 0.0)
+    assert found.lines
+    assert not any(PRIORITY in line.what for line in found.lines)
+    assert "not measured: Operation not permitted; see the limit." in found.notes[-1]

@@ -11,6 +11,7 @@ from microgripper_control.bench.highest_rate import highest_rate
 from microgripper_control.bench.loops import BARE, OURS, Trips, run_loop
 from microgripper_control.bench.row import LONGER, Effort, Goal, Line, Measured, Row, at_most
 from microgripper_control.bench.timing import Spread
+from microgripper_control.core.realtime import refusal
 
 CLOSE, FEW_MISSES = at_most(1.5), at_most(1e-3)
 PERCENT = at_most(100.0 * FEW_MISSES.limit)
@@ -72,8 +73,8 @@ class Runs:
 def measure(effort: Effort) -> Measured:
     """As `Row` says."""
     duration = effort.among(8.0, 3.0)
-    first = Runs(EVENTS, REALTIME)
-    ways = [Runs(EVENTS, 0), first, Runs(SINGLE, 0)]
+    first, refused = Runs(EVENTS, REALTIME), refusal(REALTIME)
+    ways = [Runs(EVENTS, 0), *([] if refused else [first]), Runs(SINGLE, 0)]
     for _ in range(effort.among(3, 1)):
         for way in ways:
             way.add(effort, duration)
@@ -87,6 +88,8 @@ def measure(effort: Effort) -> Measured:
             way.share("ticks without a sample", lambda run: run.unsent),
             way.share("samples without an answer in time", lambda run: run.unanswered),
         ]
+    if refused:
+        return Measured(tuple(lines), (_NOTE, _REFUSED.format(refused)))
     return Measured((*lines, highest(effort, first)), (_NOTE,))
 
 
@@ -141,4 +144,6 @@ _NOTE = (
     "The executor of the nodes was chosen by this row. The real-time priority is the parameter "
     "realtime_priority, which asks Linux for SCHED_FIFO; it needs the permission."
 )
+_REFUSED = "With real-time priority, the highest rate too: not measured: {}."
+
 ROW = Row("loop", "loop over DDS, two processes", measure)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
+import threading
 
 import pytest
 
-from microgripper_control.nodes.realtime import go_first
+from microgripper_control.core.realtime import go_first, refusal
 
 
 def test_all_threads_go_first_and_no_child(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -27,6 +28,27 @@ def test_a_refusal_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr("os.sched_setscheduler", refuse)
     assert go_first(20) == "Operation not permitted; see the limit rtprio"
+
+
+def test_to_ask_leaves_this_process_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[tuple[int, int]] = []
+
+    def note(thread: int, policy: int, given: os.sched_param) -> None:
+        asked.append((thread, threading.get_native_id()))
+
+    monkeypatch.setattr("os.sched_setscheduler", note)
+    assert refusal(20) is None
+    ((thread, own),) = asked
+    assert thread == 0
+    assert own != threading.get_native_id()
+
+
+def test_a_refusal_is_foretold(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(thread: int, policy: int, given: os.sched_param) -> None:
+        raise PermissionError(1, "Operation not permitted")
+
+    monkeypatch.setattr("os.sched_setscheduler", refuse)
+    assert refusal(20) == "Operation not permitted; see the limit rtprio"
 
 
 def test_elsewhere_there_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
