@@ -18,7 +18,8 @@ INTRODUCTION = """# How fast it is
 
 Written by `make bench`, every number in one run on one machine. Ratios are medians over rounds in
 which the contestants took turns, with the quartiles in brackets: times change from second to second
-and from machine to machine, ratios much less. The command above each table measures it again.
+and from machine to machine, ratios much less. The command above each table measures it again, into
+a folder of its own.
 """
 
 
@@ -44,6 +45,7 @@ def as_json(bench: Bench) -> dict[str, Any]:
             "curves": [asdict(curve) for curve in measured.curves],
             "notes": list(measured.notes),
             "skipped": measured.skipped,
+            "broken": measured.broken,
         }
         for name, measured in bench.rows.items()
     }
@@ -74,13 +76,17 @@ def _paragraphs(bench: Bench, picture: str) -> Iterator[str]:
     yield INTRODUCTION
     yield from (f"- {key}: {value}" for key, value in bench.machine.items())
     missed = len(bench.judged) - bench.met
-    hurried = " A quick run: fewer rounds, smaller sizes." if bench.quick else ""
-    yield f"\nOf {len(bench.judged)} goals {bench.met} are met and {missed} missed.{hurried}\n"
+    told = [f"Of {len(bench.judged)} goals {bench.met} are met and {missed} missed."]
+    if bench.measured < len(bench.rows):
+        told.append(f"{bench.measured} of {len(bench.rows)} rows could be measured.")
+    if bench.quick:
+        told.append("A quick run: fewer rounds, smaller sizes.")
+    yield f"\n{' '.join(told)}\n"
     yield f"![Each figure in proportion to its goal, and how cost grows]({picture})"
     quick = " --quick" if bench.quick else ""
     for name, measured in bench.rows.items():
         yield f"\n## {ROWS[name].title[0].upper()}{ROWS[name].title[1:]}\n"
-        yield f"    microgripper bench --only {name}{quick} --out out/bench\n"
+        yield f"    microgripper bench --only {name}{quick} --out out/bench-{name}\n"
         if measured.skipped:
             yield f"Not measured: {measured.skipped}."
             continue

@@ -75,12 +75,16 @@ class Curve:
 
 @dataclass(frozen=True)
 class Measured:
-    """What came of a row; `notes` say how it was measured, `skipped` why it was not."""
+    """What came of a row; `notes` say how it was measured, `skipped` why it was not.
+
+    It is `broken` where that is a mistake of ours, not what this machine lacks.
+    """
 
     lines: tuple[Line, ...] = ()
     notes: tuple[str, ...] = ()
     curves: tuple[Curve, ...] = ()
     skipped: str = ""
+    broken: bool = False
 
 
 @dataclass(frozen=True)

@@ -59,6 +59,16 @@ class Bench:
         """How many of them keep to it."""
         return sum(line.outcome == MET for line in self.judged)
 
+    @property
+    def measured(self) -> int:
+        """How many rows were measured."""
+        return sum(not row.skipped for row in self.rows.values())
+
+    @property
+    def broken(self) -> int:
+        """How many of the others were not by a mistake of ours."""
+        return sum(row.broken for row in self.rows.values())
+
 
 def run(effort: Effort, only: Collection[str] = ()) -> Bench:
     """Measure the rows, or `only` some; MicrogripperError for one that there is not."""
@@ -86,4 +96,4 @@ def _tried(row: Row, effort: Effort) -> Measured:
         return Measured(skipped=str(error))
     except Exception as error:
         traceback.print_exc()
-        return Measured(skipped=one_line(f"{type(error).__name__}: {error}"))
+        return Measured(skipped=one_line(f"{type(error).__name__}: {error}"), broken=True)

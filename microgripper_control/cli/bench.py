@@ -19,6 +19,8 @@ from microgripper_control.core.files import make_folder, written_whole
 if TYPE_CHECKING:
     from microgripper_control.bench.run import Bench
 
+BROKEN = 1  # exit status when a row failed by a mistake of ours
+
 
 def bench(
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Where the results go.")],
@@ -53,9 +55,11 @@ def bench(
             file.write(text)
     if json_:
         typer.echo(texts["bench.json"], nl=False)
-        return
-    show(found, Console(highlight=False, soft_wrap=True))
-    typer.echo(f"written: {picture}, {', '.join(texts)}")
+    else:
+        show(found, Console(highlight=False, soft_wrap=True))
+        typer.echo(f"written: {picture}, {', '.join(texts)}")
+    if found.broken:
+        raise typer.Exit(BROKEN)
 
 
 def show(found: Bench, console: Console) -> None:
@@ -75,4 +79,10 @@ def show(found: Bench, console: Console) -> None:
             what = f"{line.what}, against {line.against}" if line.against else line.what
             table.add_row(what, figure(line), f"{bound(line)}: {line.outcome}".strip(": "))
         console.print(table)
-    console.print(f"{found.met} of {len(found.judged)} goals met")
+    console.print(f"{found.met} of {len(found.judged)} goals met; {rows_told(found)}")
+
+
+def rows_told(found: Bench) -> str:
+    """How many rows were measured, and failed."""
+    failed = f", {found.broken} failed" if found.broken else ""
+    return f"{found.measured} of {len(found.rows)} rows measured{failed}"

@@ -73,11 +73,22 @@ def test_the_margin_is_how_much_better_than_the_goal() -> None:
 def test_the_document_names_command_machine_and_misses(bench: Bench) -> None:
     text = as_markdown(bench, "performance.png")
     assert "Of 2 goals 1 are met and 1 missed." in text
-    assert "microgripper bench --only simulation --out out/bench" in text
     assert "| start |  |  |  | 1.2 s | at most 1 s | missed |" in text
     assert "- processor: a test" in text
     assert "Not measured: ROS 2 is not there." in text
     assert "As it was measured." in text
+
+
+def test_the_command_of_a_row_leaves_the_others_alone(bench: Bench) -> None:
+    text = as_markdown(bench, "performance.png")
+    assert "    microgripper bench --only simulation --out out/bench-simulation\n" in text
+    assert "--out out/bench\n" not in text
+
+
+def test_the_document_says_how_many_rows_were_measured(bench: Bench) -> None:
+    assert "1 missed. 1 of 2 rows could be measured.\n" in as_markdown(bench, "performance.png")
+    whole = Bench({}, {"simulation": bench.rows["simulation"]}, quick=False)
+    assert "1 missed.\n" in as_markdown(whole, "performance.png")
 
 
 def test_files_hold_the_same(bench: Bench) -> None:
@@ -133,6 +144,34 @@ def test_a_row_that_breaks_does_not_cost_the_others(
     found = run(Effort(tmp_path)).rows
     assert found["a"].skipped == r"ValueError: one\nof two"
     assert found["b"].lines == (FAST,)
+    assert (found["a"].broken, found["b"].broken) == (True, False)
+
+
+@pytest.mark.parametrize("options", [[], ["--json"]])
+def test_the_command_fails_where_a_row_breaks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, options: list[str]
+) -> None:
+    def broken(effort: Effort) -> Measured:
+        raise ValueError("a mistake")
+
+    def lacking(effort: Effort) -> Measured:
+        raise MicrogripperError("ROS 2 is not there")
+
+    rows = {
+        "streaming": Row("streaming", "a", lambda effort: Measured((FAST,))),
+        "loop": Row("loop", "b", lacking),
+        "startup": Row("startup", "c", broken),
+    }
+    monkeypatch.setattr("microgripper_control.bench.run.ROWS", rows)
+    given = ["bench", "--out", str(tmp_path), *options]
+    result = CliRunner().invoke(app, given)
+    assert result.exit_code == 1
+    assert (tmp_path / "bench.csv").exists()
+    if not options:
+        assert "1 of 1 goals met; 1 of 3 rows measured, 1 failed" in result.output
+    del rows["startup"]
+    result = CliRunner().invoke(app, given)
+    assert result.exit_code == 0
 
 
 def test_every_row_has_a_name_of_its_own() -> None:
