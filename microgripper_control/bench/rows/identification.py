@@ -88,7 +88,7 @@ def measure(effort: Effort) -> Measured:
         "for the basin, a simplex, the test of what the data determine and intervals; the scripts "
         f"descend once. The script with solve_ivp would take its {asked} simulations (counted with "
         f"the compiled model in its place) times {len(recording)} samples; its time per sample is "
-        f"that of {SHORT} samples, on which it is off by {1e9 * scripted.error:.2g} nm at most."
+        f"that of {SHORT} samples, on which it is off by {1e9 * scripted.error:.2g} nm rms."
     )
     return Measured(lines, (note,))
 
