@@ -84,7 +84,8 @@ def _warn_of_misfits(found: Fit) -> None:
     ):
         if rmse > MISFIT * white and relative > SMALL:
             warn(
-                f"{name}: the model leaves {rmse / white:.1f} times the noise, and the intervals "
+                f"{name}: the model leaves {1e9 * rmse:.1f} nm rms where the noise is "
+                f"{1e9 * white:.1f} nm, and the intervals "
                 "hold only if it is right; microgripper diagnose says what is missing"
             )
 

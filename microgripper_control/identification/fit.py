@@ -21,6 +21,7 @@ from microgripper_control.identification.determined import (
     freedom,
     variances,
 )
+from microgripper_control.identification.levels import rounding_of
 from microgripper_control.identification.nuisance import (
     Conditions,
     Nuisance,
@@ -124,10 +125,11 @@ def _result(problem: Problem, z: Array, undetermined: tuple[Undetermined, ...]) 
     rmse, relative, white = [], [], []
     for recording, nuisance in zip(problem.recordings, nuisances, strict=True):
         prediction = predict(model, recording, problem.conditions, nuisance)
-        error = (recording.measured - prediction)[problem.conditions.answered(recording)]
+        used = problem.conditions.answered(recording)
+        error = (recording.measured - prediction)[used]
         rmse.append(float(np.sqrt(np.mean(error**2))))
         relative.append(rmse[-1] / float(np.ptp(recording.measured)))
-        white.append(white_noise(error))
+        white.append(_noise(error, recording.measured[used]))
     return Fit(
         model=model,
         recordings=tuple(recording.name for recording in problem.recordings),
@@ -139,6 +141,16 @@ def _result(problem: Problem, z: Array, undetermined: tuple[Undetermined, ...]) 
         determined=problem.free,
         undetermined=undetermined,
     )
+
+
+def _noise(error: Array, readings: Array) -> float:
+    """The white noise in an error, m rms; `readings`, m, are those that it is the error of.
+
+    Where the voltage rests a coarse sensor shows none, but what rounding leaves is there. Readings
+    that a model comes closer to, as those of an exact simulation, were not rounded.
+    """
+    rmse = float(np.sqrt(np.mean(error**2)))
+    return max(white_noise(error), min(rounding_of(readings), rmse))
 
 
 def _gain(model: Model) -> Setting:

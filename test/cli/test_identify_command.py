@@ -91,7 +91,36 @@ def test_a_model_that_leaves_more_than_noise_is_told(
         for path in (recording, other)
     ]
     assert "warning" not in fitted[0].err
-    assert re.search(r"other\.csv: the model leaves \d\.\d times the noise", fitted[1].err)
+    assert re.search(
+        r"other\.csv: the model leaves \d+\.\d nm rms where the noise is", fitted[1].err
+    )
+
+
+@pytest.mark.parametrize("course", ["staircase", "sine"])
+def test_a_coarse_sensor_is_no_misfit(microgripper: Run, tmp_path: Path, course: str) -> None:
+    """Where the voltage rests or moves slowly, most readings of a 1 um sensor are repeated."""
+    held = np.repeat(np.random.default_rng(1).uniform(0.0, 150.0, 14), 400)
+    voltage = held if course == "staircase" else np.asarray(VOLTAGE - VOLTAGE[0])
+    rig = nominal_model().with_link("sensor_quantization", resolution=1e-6)
+    path = write(tmp_path / "run.csv", voltage, simulate(rig, voltage, PERIOD))
+    save_model(nominal_model(), tmp_path / "model.yaml")
+    words = ("--model", tmp_path / "model.yaml", path, "--initial", "rest", "--json")
+    done = microgripper("identify", *words, "--out", tmp_path / "f.yaml")
+    assert (done.status, done.err) == (0, "")
+    (found,) = json.loads(done.out)["recordings"]
+    assert found["white_noise_m"] == pytest.approx(found["rmse_m"], rel=0.3)
+
+
+def test_readings_without_noise_are_a_misfit_however_few(
+    microgripper: Run, model: Path, tmp_path: Path
+) -> None:
+    voltage = np.repeat([0.0, 150.0, 30.0, 110.0, 60.0, 140.0, 5.0, 90.0], 400)
+    lost = simulate(nominal_model().with_link("backlash", play=2e-6), voltage, PERIOD)
+    path = write(tmp_path / "run.csv", voltage, lost)
+    words = ("--model", model, path, "--initial", "rest", "--out", tmp_path / "f.yaml")
+    done = microgripper("identify", *words)
+    assert done.status == 0
+    assert "nm rms where the noise is 0.0 nm" in done.err
 
 
 def test_json_is_for_machines(

@@ -8,9 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from microgripper_control.core.signals import Array
+from microgripper_control.identification.levels import OFTEN
 
 BOWED = 0.15  # of a step, rms: what a real converter's grid is off the one it is taken for
-A_STEP, OFTEN = 1.2, 4.0  # values, if they are no more than a grid has; how often each is read
+A_STEP = 1.2  # values, if they are no more than a grid has
 TOO_CLOSE = 0.8  # of what rounding leaves: readings that follow a model closer are on no such grid
 MATTERS = 0.75  # of the noise: with rounding that leaves more a reading is off by a quarter more
 

@@ -9,15 +9,12 @@ from numpy.typing import NDArray
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
-from microgripper_control.diagnosis.data.grid import NO_GRID, OFTEN, Grid
+from microgripper_control.diagnosis.data.grid import NO_GRID, Grid
+from microgripper_control.identification.levels import AGAIN, FEWEST, step_between
 
-FINEST = 1e-5  # of the stroke: steps below this are not a sensor's
-ON_GRID = 0.02  # of a step: how far a reading may lie off the grid, rounding of the file included
-FEWEST = 8  # distinct readings, or steps in their range; fewer tell nothing about a grid
 BINS = 1 << 16  # of the range of all readings
 SHARP = 0.4  # how far a comb's density follows its step, noise of a fifth of a step and less,
 ALONE = 0.6  # and how far, of that, it may follow any other
-AGAIN = 2.0  # times that a reading is come back to: one that is merely late is not
 ALONG = 0.5  # of how far readings go with the voltage: at a level of a grid they do not go,
 LEAP, MOVES = 0.3, 0.03  # of a step: what goes on is no jump, and what there should be to go, rms
 MISSING = 1.5  # usual steps: a wider one has a level within that is never shown,
@@ -54,29 +51,8 @@ def _of_half(grids: Sequence[Grid]) -> Grid:
 def _on_levels(displacement: Array) -> Grid:
     """The grid that all readings lie on, or come back to."""
     values, walk = np.unique(displacement, return_inverse=True)
-    step = _even_step(values) or _usual_step(displacement, values)
+    step = step_between(displacement)
     return Grid(step, _left_by_rounding(values, walk, step)) if step else NO_GRID
-
-
-def _even_step(values: Array) -> float:
-    """The step of the grid that different readings lie on, m; 0 if on none."""
-    steps = np.diff(values)
-    steps = steps[steps > FINEST * np.ptp(values)]
-    if len(values) < FEWEST or len(steps) < 0.5 * (len(values) - 1):
-        return 0.0
-    step = float(np.median(steps[steps < 1.5 * np.min(steps)]))
-    for _ in range(3):  # the grid's step from ever longer distances
-        counts = np.rint((values - values[0]) / step)
-        step = float((values - values[0]) @ counts / (counts @ counts))
-    off = np.abs((values - values[0]) / step - counts)
-    return step if float(np.max(off)) < ON_GRID else 0.0
-
-
-def _usual_step(displacement: Array, values: Array) -> float:
-    """The step between levels that readings come back to, m: steps of a few sizes; 0 if on none."""
-    visits = 1 + np.count_nonzero(np.diff(displacement))
-    often = len(displacement) > OFTEN * len(values) and visits > AGAIN * len(values)
-    return float(np.median(np.diff(values))) if len(values) >= FEWEST and often else 0.0
 
 
 def _left_by_rounding(levels: Array, walk: Indices, step: float) -> float:
