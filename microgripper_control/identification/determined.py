@@ -14,9 +14,9 @@ import numpy as np
 from microgripper_control.core.signals import Array
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.confidence import (
+    Spread,
     autocorrelation_time,
-    independent_samples,
-    variances_of,
+    spread_of,
 )
 from microgripper_control.identification.elimination import Split
 from microgripper_control.identification.problem import Problem
@@ -53,22 +53,17 @@ def free_parameters(model: Model) -> tuple[tuple[Key, ...], tuple[Undetermined, 
     return tuple(free), tuple(undetermined)
 
 
-def variances(problem: Problem, z: Array) -> Array:
-    """Variances of the free parameters in z, shape (len(problem.free),)."""
+def spread(problem: Problem, z: Array) -> Spread:
+    """How far the free parameters scatter in z, in the order of `problem.free`."""
     split = Split.by_recording(problem, z, problem.columns(z, range(len(problem.free))))
-    eliminated = problem.eliminated + len(split.sizes)
-    return variances_of(split.rest, problem.split_residuals(z), eliminated)
-
-
-def freedom(problem: Problem, z: Array) -> float:
-    """How many more independent samples there are than values fitted to them."""
-    fitted = len(z) + problem.eliminated
-    return independent_samples(problem.split_residuals(z)) - fitted
+    own = len(split.sizes) > 0
+    offsets = [weights + own for weights in problem.eliminated]
+    return spread_of(split.rest, problem.split_residuals(z), offsets)
 
 
 def _errors(problem: Problem, z: Array) -> Array:
     """Standard error of each free parameter relative to its size."""
-    return np.sqrt(variances(problem, z))
+    return np.sqrt(spread(problem, z).variances)
 
 
 def _extended(problem: Problem, z: Array, extra: Sequence[Key]) -> tuple[Problem, Array]:

@@ -18,8 +18,7 @@ from microgripper_control.identification.determined import (
     add_dynamics,
     drop_undetermined,
     free_parameters,
-    freedom,
-    variances,
+    spread,
 )
 from microgripper_control.identification.levels import rounding_of
 from microgripper_control.identification.nuisance import (
@@ -111,14 +110,14 @@ def _check(recordings: Sequence[Recording]) -> None:
 
 
 def _result(problem: Problem, z: Array, undetermined: tuple[Undetermined, ...]) -> Fit:
-    spread = variances(problem, z)
-    left_over = freedom(problem, z)
+    found = spread(problem, z)
     model = problem.model_at(z)
     settings = {}
     for index, key in enumerate(problem.free):
         value = model.value(*key)
         scale = float(problem.scales[index])
-        bounds = interval(value, float(spread[index]) * scale**2, left_over)
+        variance = float(found.variances[index]) * scale**2
+        bounds = interval(value, variance, float(found.freedom[index]))
         settings[key] = Setting(value, bounds)
     model = model.with_settings(settings)
     nuisances = tuple(problem.nuisances(z))

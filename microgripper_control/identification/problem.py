@@ -73,9 +73,9 @@ class Problem:
         return sum(int(np.count_nonzero(mask)) for mask in self.masks)
 
     @property
-    def eliminated(self) -> int:
-        """How many weights of courses are solved for besides z."""
-        return sum(len(courses(self.model, recording)) for recording in self.recordings)
+    def eliminated(self) -> list[int]:
+        """How many weights of courses of each recording are solved for besides z."""
+        return [len(courses(self.model, recording)) for recording in self.recordings]
 
     @cached_property
     def scales(self) -> Array:

@@ -7,8 +7,8 @@ import pytest
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
-from microgripper_control.identification.confidence import variances_of
-from microgripper_control.identification.determined import variances
+from microgripper_control.identification.confidence import spread_of
+from microgripper_control.identification.determined import spread
 from microgripper_control.identification.elimination import (
     Split,
     turned_jacobian,
@@ -88,8 +88,10 @@ def test_weights_of_courses_that_are_nearly_one_are_no_rounding() -> None:
 
 def test_variances_are_those_of_the_whole_jacobian() -> None:
     problem, z = problem_of(Initial.FIRST_SAMPLE)
-    whole = variances_of(problem.jacobian(z), problem.split_residuals(z), problem.eliminated)
-    np.testing.assert_allclose(variances(problem, z), whole[:4], rtol=1e-6)
+    whole = spread_of(problem.jacobian(z), problem.split_residuals(z), problem.eliminated)
+    found = spread(problem, z)
+    np.testing.assert_allclose(found.variances, whole.variances[:4], rtol=1e-6)
+    np.testing.assert_allclose(found.freedom, whole.freedom[:4], rtol=1e-6)
 
 
 def test_a_split_adds_up_to_the_columns() -> None:

@@ -10,10 +10,12 @@ import pytest
 from microgripper_control.core.errors import MicrogripperError
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
-from microgripper_control.identification.determined import freedom
+from microgripper_control.identification.confidence import interval
+from microgripper_control.identification.determined import spread
 from microgripper_control.identification.fit import Fit, fit
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.identification.problem import Problem
+from microgripper_control.identification.search import descend
 from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model, Setting, nominal_model
 from microgripper_control.plant.simulate import Initial, simulate
@@ -68,10 +70,36 @@ def test_intervals_cover_the_truth_as_often_as_they_say() -> None:
         noise = NOISE * np.random.default_rng(seed).standard_normal(len(voltage))
         found = fit(start, [Recording("run", 1e-3, voltage.copy(), clean + noise)])
         for name in NAMES:
-            interval = found.model.settings["bouc_wen"][name].interval
-            assert interval is not None
-            hits[name] += interval[0] <= truth.value("bouc_wen", name) <= interval[1]
+            ends = found.model.settings["bouc_wen"][name].interval
+            assert ends is not None
+            hits[name] += ends[0] <= truth.value("bouc_wen", name) <= ends[1]
     assert all(0.90 <= count / seeds <= 0.98 for count in hits.values()), hits
+
+
+@pytest.mark.parametrize("noise", [(300e-9, 10e-9), (60e-9, 15e-9), (15e-9, 15e-9)])
+def test_intervals_cover_the_truth_where_recordings_differ_in_noise(
+    noise: tuple[float, float],
+) -> None:
+    """A recording of the whole stroke tells more than a longer one of little of it."""
+    truth, seeds, hits = nominal_model(), 60, dict.fromkeys(NAMES, 0)
+    keys = tuple(("bouc_wen", name) for name in NAMES)
+    voltages = growing_loops(1000), growing_loops(4000) / 8.0
+    clean = [simulate(truth, voltage, 1e-3) for voltage in voltages]
+    for seed in range(2000, 2000 + seeds):
+        random = np.random.default_rng(seed)
+        recordings = [
+            Recording("run", 1e-3, u.copy(), x + size * random.standard_normal(len(u)))
+            for u, x, size in zip(voltages, clean, noise, strict=True)
+        ]
+        problem = Problem(truth, recordings, Conditions(initial=Initial.REST), keys)
+        planted = problem.point(truth, [])
+        z = descend(problem, planted)
+        found = spread(problem, z)
+        for index, name in enumerate(NAMES):
+            variance, freedom = float(found.variances[index]), float(found.freedom[index])
+            low, high = interval(float(z[index]), variance, freedom)
+            hits[name] += low <= planted[index] <= high
+    assert all(count / seeds >= 0.88 for count in hits.values()), hits
 
 
 def test_what_cannot_be_seen_stays_nominal_and_is_named() -> None:
@@ -213,5 +241,5 @@ def test_what_a_model_lacks_leaves_few_independent_samples() -> None:
     problem = Problem(nominal_model(), recordings, Conditions(), tuple(keys))
     white = replace(problem, recordings=[record(nominal_model(), growing_loops(2000), 12)])
     z = problem.point(problem.model, [0.0])
-    assert freedom(problem, z) < 100.0
-    assert freedom(white, z) > 1500.0
+    assert np.all(spread(problem, z).freedom < 100.0)
+    assert np.all(spread(white, z).freedom > 1500.0)

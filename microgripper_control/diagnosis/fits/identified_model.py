@@ -15,7 +15,7 @@ from microgripper_control.diagnosis.fits.trial import Trial, problem_of
 from microgripper_control.effects.base import Values
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.confidence import autocorrelation_time, interval
-from microgripper_control.identification.determined import freedom, variances
+from microgripper_control.identification.determined import spread
 from microgripper_control.identification.nuisance import own_courses
 from microgripper_control.identification.problem import Problem
 from microgripper_control.plant.model import Key, Model, Setting
@@ -45,11 +45,12 @@ def identified(evidence: Evidence, trial: Trial) -> Model:
 
 def _intervals(problem: Problem, z: Array) -> dict[Key, tuple[float, float]]:
     """Of each free parameter; infinite where it may be anything."""
-    spread, left_over, model = variances(problem, z), freedom(problem, z), problem.model_at(z)
+    scatter, model = spread(problem, z), problem.model_at(z)
     found = {}
     for index, (link, name) in enumerate(problem.free):
         scale = float(problem.scales[index])
-        bounds = interval(model.value(link, name), float(spread[index]) * scale**2, left_over)
+        variance = float(scatter.variances[index]) * scale**2
+        bounds = interval(model.value(link, name), variance, float(scatter.freedom[index]))
         if problem.by_sample(index):
             bounds = _without_a_trace(problem, z, index)
         found[link, name] = allowed(bounds, registry()[link].parameter(name))

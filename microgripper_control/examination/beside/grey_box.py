@@ -50,9 +50,8 @@ def _tried(begun: Begun, withheld: Sequence[str]) -> Iterator[tuple[float, str, 
 def _bic(begun: Begun, trial: Trial, values: int) -> float:
     count = sum(int(np.count_nonzero(used)) for used in begun.evidence.used)
     problem = problem_of(begun.evidence, trial.model, ())
-    return 2.0 * count * math.log(trial.fitted_rmse) + (values + problem.eliminated) * math.log(
-        count
-    )
+    values += sum(problem.eliminated)
+    return 2.0 * count * math.log(trial.fitted_rmse) + values * math.log(count)
 
 
 def _fitted(begun: Begun, name: str) -> Trial | None:
