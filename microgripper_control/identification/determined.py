@@ -31,7 +31,7 @@ STIFFNESSES: tuple[Key, ...] = (("second_order", "k"), ("second_order", "k_s"))
 
 @dataclass(frozen=True)
 class Undetermined:
-    """A parameter that stays at its nominal value, and why."""
+    """A parameter that was not identified, and why: most stay at their nominal values."""
 
     key: Key
     reason: str
@@ -105,12 +105,7 @@ def drop_undetermined(
     dropped: list[Undetermined] = []
     needed: set[Key] = set()
     while len(problem.free) > 1:
-        errors = _errors(problem, z)
-        open_ones = [
-            (float(error), key)
-            for error, key in zip(errors, problem.free, strict=True)
-            if error > LARGEST_RELATIVE_ERROR and key not in needed
-        ]
+        open_ones = [one for one in open_parameters(problem, z) if one[1] not in needed]
         if not open_ones:
             break
         error, key = max(open_ones)
@@ -123,7 +118,7 @@ def drop_undetermined(
             needed.add(key)
             continue
         point = descend(smaller, point)
-        if _rise(problem, z, smaller, point) > SIGNIFICANT_RISE:
+        if rise(problem, z, smaller, point) > SIGNIFICANT_RISE:
             needed.add(key)
             continue
         reason = f"the recording leaves it open to {100.0 * min(error, 1e4):.0f} %"
@@ -132,8 +127,14 @@ def drop_undetermined(
     return z, problem, tuple(dropped)
 
 
-def _rise(problem: Problem, z: Array, smaller: Problem, point: Array) -> float:
-    """How much worse the smaller problem fits: chi-squared with one degree of freedom."""
+def open_parameters(problem: Problem, z: Array) -> list[tuple[float, Key]]:
+    """The free parameters whose standard error, relative to their size, determines nothing."""
+    errors = zip(map(float, _errors(problem, z)), problem.free, strict=True)
+    return [(error, key) for error, key in errors if error > LARGEST_RELATIVE_ERROR]
+
+
+def rise(problem: Problem, z: Array, smaller: Problem, point: Array) -> float:
+    """How much worse the smaller problem fits: chi-squared of as many as it has fewer values."""
     residuals, squares = problem.residuals(z), _squares(problem, z)
     independent = len(residuals) / autocorrelation_time(residuals)
     return independent * (_squares(smaller, point) - squares) / squares

@@ -20,6 +20,7 @@ from microgripper_control.identification.determined import (
     free_parameters,
     spread,
 )
+from microgripper_control.identification.ends import hold_at_ends
 from microgripper_control.identification.levels import rounding_of
 from microgripper_control.identification.nuisance import (
     Conditions,
@@ -32,6 +33,7 @@ from microgripper_control.identification.nuisance import (
 from microgripper_control.identification.problem import Problem
 from microgripper_control.identification.resonance import near_the_resonance
 from microgripper_control.identification.search import descend, simplex
+from microgripper_control.identification.straight import leave_out_hysteresis
 from microgripper_control.plant.model import Key, Model, Setting
 
 Progress = Callable[[str], None]
@@ -82,8 +84,10 @@ def fit(
         progress("what the recording can tell about the mechanics")
         z, problem, unseen = _with_dynamics(problem, z, model, dynamic)
         undetermined += unseen
+    z, problem, straight = leave_out_hysteresis(problem, z, model)
     z, problem, unseen = drop_undetermined(problem, z, model)
-    return _result(problem, z, undetermined + unseen)
+    z, problem, held = hold_at_ends(problem, z)
+    return _result(problem, z, undetermined + straight + unseen + held)
 
 
 def _with_dynamics(
