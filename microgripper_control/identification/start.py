@@ -14,6 +14,7 @@ import numpy as np
 
 from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
+from microgripper_control.effects.registry import registry
 from microgripper_control.identification.nuisance import (
     Conditions,
     Projection,
@@ -76,11 +77,12 @@ def _solve(problem: Problem, model: Model) -> tuple[float, Model, list[float]] |
         probes.append(probe)
     weights, *_ = np.linalg.lstsq(normal[:2, :2], normal[:2, 2], rcond=1e-12)
     alpha = PROBE_ALPHA * weights[1] / weights[0] if weights[0] > 0.0 else -1.0
-    if not 0.0 < alpha < LARGEST_ALPHA:
+    d, declared = model.value(*D) * float(weights[0]), registry()[D[0]].parameter(D[1])
+    if not 0.0 < alpha < LARGEST_ALPHA or not declared.low <= d <= declared.high:
         return None
     left = np.append(-weights, 1.0)
     initial = [float(share @ left) * probe for share, probe in zip(shares, probes, strict=True)]
-    found = model.with_values({D: model.value(*D) * float(weights[0]), ALPHA: float(alpha)})
+    found = model.with_values({D: d, ALPHA: float(alpha)})
     return float(normal[2, 2] - weights @ normal[:2, 2]), found, initial
 
 

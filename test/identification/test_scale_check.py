@@ -45,3 +45,18 @@ def test_a_turned_sensor_is_told() -> None:
     (line,) = warned(-1.0)
     assert "go down where the model goes up" in line
     assert "--map displacement=NAME*-1" in line
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_sensor_that_sees_nothing_is_told(seed: int) -> None:
+    shown = 1e-8 * np.random.default_rng(seed).standard_normal(len(VOLTAGE))
+    run = Recording("run", PERIOD, VOLTAGE, shown)
+    (line,) = scale_warnings(nominal_model(), [run], Conditions())
+    assert "do not move with the voltage" in line
+
+
+def test_a_rig_that_hardly_moves_in_its_noise_moves() -> None:
+    little = VOLTAGE[0] + 0.002 * (VOLTAGE - VOLTAGE[0])
+    noise = 1e-7 * np.random.default_rng(3).standard_normal(len(VOLTAGE))
+    run = Recording("run", PERIOD, little, simulate(nominal_model(), little, PERIOD) + noise)
+    assert scale_warnings(nominal_model(), [run], Conditions()) == []
