@@ -15,7 +15,11 @@ FEWEST = 30  # cases below which a share says nothing
 
 @dataclass(frozen=True)
 class Target:
-    """One demand: `value` must be at least, or at most, `limit`."""
+    """One demand: `value` must be at least, or at most, `limit`.
+
+    An error of no more than `by_chance` is one that a diagnosis without fault shows as well of so
+    few cases: above the limit it tells nothing.
+    """
 
     name: str
     text: str  # in plain words
@@ -26,14 +30,16 @@ class Target:
     limit: float
     at_most: bool
     fewest: int = FEWEST
+    by_chance: float = math.nan  # the same as `value`; NaN where nothing is asked of chance
 
     @property
     def verdict(self) -> str:
         """MET, MISSED, or TOO_FEW cases to tell."""
         if self.of < self.fewest or math.isnan(self.value):
             return TOO_FEW
-        reached = self.value <= self.limit if self.at_most else self.value >= self.limit
-        return MET if reached else MISSED
+        if self.value <= self.limit if self.at_most else self.value >= self.limit:
+            return MET
+        return TOO_FEW if self.value <= self.by_chance else MISSED
 
 
 def targets(score: Score) -> tuple[Target, ...]:
@@ -45,7 +51,10 @@ def targets(score: Score) -> tuple[Target, ...]:
     cases = score.probability.of
     # A blank without an answer was asked for as well, and cannot be made up for.
     blanks = 150 - sum(case.blank and case.alarmed is None for case in score.cases)
-    present = max(score.present, score.present_claimed, key=_error)
+    present = (
+        _calibration("calibration_present", "present", found, cases)
+        for found in (score.present, score.present_claimed)
+    )
     return (
         _share("top_1", "Effect named, medium and strong", clear, 0.95),
         _share("top_1_weak", "Effect named, weak", score.top["weak"], 0.80),
@@ -56,12 +65,13 @@ def targets(score: Score) -> tuple[Target, ...]:
         _share("unknown", "Unknown where the library has not the cause", score.unknown, 0.85),
         _middle("gap_closed", "Gap closed, of what the oracle closes (median)", score.closed, 0.90),
         _calibration("calibration_probability", "probability", score.probability, cases),
-        _calibration("calibration_present", "present", present, cases),
+        max(present, key=_badness),
     )
 
 
-def _error(reliability: Reliability) -> float:
-    return -1.0 if math.isnan(reliability.error) else reliability.error
+def _badness(error: Target) -> tuple[bool, float]:
+    """One that is missed is worse than a larger one that chance may have made."""
+    return error.verdict == MISSED, -1.0 if math.isnan(error.value) else error.value
 
 
 def _share(name: str, text: str, share: Share, limit: float, at_most_of: int = 0) -> Target:
@@ -75,10 +85,8 @@ def _middle(name: str, text: str, middle: Middle, limit: float) -> Target:
 
 
 def _calibration(name: str, what: str, found: Reliability, cases: int) -> Target:
-    """Too few cases are those of which a calibrated diagnosis would miss it as well."""
-    limit, (least, most) = 0.07, found.by_chance
+    least, most = found.by_chance
     text = f"Expected calibration error of {what}"
     if found.of:
         text += f" (by chance {least:.2f} to {most:.2f})"
-    fewest = cases + 1 if least > limit else FEWEST
-    return Target(name, text, found.error, math.nan, math.nan, cases, limit, True, fewest)
+    return Target(name, text, found.error, math.nan, math.nan, cases, 0.07, True, by_chance=most)

@@ -46,6 +46,10 @@ def write_validation_page(score: Score, folder: Path, extent: Extent) -> Path:
     page.heading("What must hold")
     page.paragraph(_plainly(targets(score)))
     page.table(TARGET_HEADER, target_rows(score), TARGET_TEXTS)
+    page.note(
+        "A calibration error above what is wanted is held against the diagnosis only if it is also "
+        "above what chance makes of so few cases: a calibrated one would show it, too."
+    )
     if score.cases:
         _named(page, score, folder)
         _foreign(page, score)
@@ -172,7 +176,7 @@ def _probabilities(page: Page, score: Score, folder: Path) -> None:
     page.note(
         f"Expected calibration error of “present” where it is at least 0.05: "
         f"{_plain(score.present_claimed.error)} ({score.present_claimed.of} claims). Of the two, "
-        "the larger is held against the demand."
+        "the larger is held against the demand, unless the other alone is more than chance makes."
     )
 
 
