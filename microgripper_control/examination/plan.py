@@ -110,11 +110,11 @@ class Extent:
 
     @property
     def command(self) -> str:
-        """What repeats it."""
+        """What repeats it, into a folder DIR."""
         quick = " --quick" if self.quick else ""
         only = "" if self.only is None else f" --only {self.only.value}"
         first = "" if self.first is None else f" --first {self.first}"
-        return f"microgripper validate --seed {self.seed}{quick}{only}{first}"
+        return f"microgripper validate --seed {self.seed}{quick}{only}{first} --out DIR"
 
     def of(self, planned: Sequence[Planned]) -> list[Planned]:
         """The cases of a plan that are to be done."""

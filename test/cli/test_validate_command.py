@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -84,10 +85,16 @@ def test_the_page_says_how_to_repeat_a_part(
         "validate", "--out", tmp_path, "--quick", "--seed", 7, "--first", 1, "--jobs", 1
     )
     assert "1 of 1 cases" in ran.err
+    asked = ("seed", "quick", "first", "cases_done")
     content = json.loads((tmp_path / "validation.json").read_text())
-    assert [content[key] for key in ("seed", "quick", "first", "cases_done")] == [7, True, 1, 1]
+    assert [content[key] for key in asked] == [7, True, 1, 1]
     page = (tmp_path / "validation.html").read_text()
-    assert "repeat it with microgripper validate --seed 7 --quick --first 1." in page
+    command = re.search(r"repeat it with microgripper (.*? --out DIR)\.", page)
+    assert command is not None
+    ran = microgripper(*command[1].replace("DIR", str(tmp_path / "again")).split(), "--jobs", 1)
+    assert ran.status == 0
+    again = json.loads((tmp_path / "again" / "validation.json").read_text())
+    assert [again[key] for key in asked] == [7, True, 1, 1]
     ran = microgripper(
         "validate", "--out", tmp_path, "--quick", "--seed", 7, "--only", "blanks", "--jobs", 1
     )

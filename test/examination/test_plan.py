@@ -51,7 +51,7 @@ def test_its_parts_are_the_whole_plan_and_each_may_be_asked_by_itself() -> None:
     assert sum(counts.values()) == len(Extent(1).of(cases)) == len(cases)
     some = Extent(1, only=Part.BLANKS, first=5)
     assert some.of(cases) == [c for c in cases if c.effects[0] in ("none", "parameters")][:5]
-    assert some.command == "microgripper validate --seed 1 --only blanks --first 5"
+    assert some.command == "microgripper validate --seed 1 --only blanks --first 5 --out DIR"
 
 
 def test_a_quick_plan_asks_each_effect_once() -> None:
