@@ -45,7 +45,11 @@ class Share:
 
 @dataclass(frozen=True)
 class Middle:
-    """The median of so many values, with its 95 % interval; NaN where there are none."""
+    """The median of so many values, with its 95 % interval; NaN where there are none.
+
+    Of fewer than 6 values there is no such interval: even from the least to the largest there are
+    but 94 % (of 5).
+    """
 
     value: float
     low: float
@@ -59,6 +63,8 @@ class Middle:
         if not count:
             return cls(math.nan, math.nan, math.nan, 0)
         ordered = np.sort(np.asarray(values, dtype=np.float64))
-        first = max(0, int(binom.ppf(0.025, count, 0.5)) - 1)
-        low, high = float(ordered[first]), float(ordered[count - 1 - first])
+        place = int(binom.ppf(0.025, count, 0.5))  # of the ends, counted from either side
+        low = high = math.nan
+        if place:
+            low, high = float(ordered[place - 1]), float(ordered[count - place])
         return cls(float(np.median(ordered)), low, high, count)

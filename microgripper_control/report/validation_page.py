@@ -72,7 +72,8 @@ def _target(target: Target) -> tuple[str, ...]:
     if math.isnan(target.low) and target.name.startswith("calibration"):
         found = ABSENT if math.isnan(target.value) else f"{target.value:.3f}"
         return target.text, found, "", str(target.of), f"{sign} {target.limit:g}", target.verdict
-    interval = f"{percent(target.low)} to {percent(target.high)}" if target.of else ""
+    known = math.isfinite(target.low)  # not of none, nor of a median of a few
+    interval = f"{percent(target.low)} to {percent(target.high)}" if known else ""
     wanted = f"{sign} {percent(target.limit)}"
     found = percent(target.value, 1)
     return target.text, found, interval, str(target.of), wanted, target.verdict

@@ -27,3 +27,14 @@ def test_the_median_has_the_interval_of_its_order_statistics() -> None:
     assert found.value == 13.0
     assert (found.low, found.high) == (8.0, 18.0)  # tables of the sign test, n = 25
     assert math.isnan(Middle.among([]).value)
+
+
+def test_a_median_of_fewer_than_six_has_no_interval() -> None:
+    # All of n values lie on one side of the median with 2 / 2^n: 6 % for 5, 3 % for 6.
+    for count in range(1, 6):
+        found = Middle.among([float(i) for i in range(count)])
+        assert found.value == (count - 1) / 2.0
+        assert math.isnan(found.low)
+        assert math.isnan(found.high)
+    found = Middle.among([float(i) for i in range(6)])
+    assert (found.low, found.high) == (0.0, 5.0)
