@@ -19,7 +19,7 @@ class Places:
     """Of some cases: reported ranges that are right, and true ones that are reported.
 
     `precision` is of the ranges on axes on which the truth has a place; the truth is silent on the
-    others, and `elsewhere` counts the ranges there.
+    others, and `elsewhere` counts the ranges there. A case without an answer has found no place.
     """
 
     precision: Share
@@ -46,9 +46,10 @@ def places(cases: Iterable[Marked]) -> Places:
     right = reported = found = true = elsewhere = 0
     for case in cases:
         spans = [span for cause in case.sealed.seen for span in cause.where]
-        if not spans or case.diagnosis is None:
+        if not spans:
             continue
-        said = [Span(r["axis"], r["low"], r["high"]) for r in case.diagnosis["where"]]
+        where = case.diagnosis["where"] if case.diagnosis is not None else []
+        said = [Span(r["axis"], r["low"], r["high"]) for r in where]
         axes = {span.axis for span in spans}
         on_axes = [one for one in said if one.axis in axes]
         elsewhere += len(said) - len(on_axes)

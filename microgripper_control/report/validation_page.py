@@ -239,7 +239,7 @@ def _where(page: Page, score: Score) -> None:
         "Ranges reported against the rig's own: the same axis, half of the shorter range in "
         "common, and no longer than twice the rig's own or a fifth of how far from zero that "
         "reaches. Ranges on axes of which the truth says nothing are "
-        "counted apart."
+        "counted apart; without an answer none is reported."
     )
     rows = [_places("all", score.places)]
     rows += [

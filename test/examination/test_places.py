@@ -46,3 +46,10 @@ def test_precision_counts_the_axes_of_the_truth_and_recall_the_true_ranges() -> 
     found = places(cases)
     assert (found.precision, found.recall) == (Share(1, 2), Share(1, 2))
     assert found.elsewhere == 1
+
+
+def test_a_case_without_an_answer_has_found_no_place() -> None:
+    right = marked(("contact",), diagnosis(("contact",), where=(CONTACT,)), where=(CONTACT,))
+    unanswered = marked(("contact",), None, where=(CONTACT,))
+    found = places([right, *[unanswered] * 9])
+    assert (found.precision, found.recall) == (Share(1, 1), Share(1, 10))
