@@ -63,6 +63,8 @@ def reason(case: Marked) -> str:
 def _of_a_blank(case: Marked) -> str:
     if case.said in (NONE, PARAMETERS):
         return "nominal and refitted model predict about as well"
+    if case.said == UNKNOWN:
+        return "what a refit leaves was taken for a cause that the library has not"
     return "something was fitted to chance"
 
 

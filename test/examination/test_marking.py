@@ -95,6 +95,18 @@ def test_no_answer_is_a_wrong_one() -> None:
     assert "no answer within 300 s" in reason(case)
 
 
+@pytest.mark.parametrize(
+    ("said", "why"),
+    [
+        ("creep", "something was fitted to chance"),
+        ("unknown", "what a refit leaves was taken for a cause that the library has not"),
+        ("parameters", "nominal and refitted model predict about as well"),
+    ],
+)
+def test_why_a_blank_was_told_wrong(said: str, why: str) -> None:
+    assert reason(marked(("none",), diagnosis((said,)))) == why
+
+
 def test_blanks_are_alarmed_by_effects_and_by_unknown() -> None:
     for said, alarmed in (("none", False), ("parameters", False), ("creep", True)):
         assert marked(("none",), diagnosis((said,))).alarmed is alarmed
