@@ -28,7 +28,13 @@ li { margin: .3rem 0; }
 th { border-bottom: 2px solid #7b8794; }
 figure { margin: 1rem 0; } img { max-width: 100%; height: auto; }
 figcaption, .note { color: #51606f; font-size: .9rem; }
-@media print { body { max-width: none; font-size: 11pt; } figure, table { break-inside: avoid; } }
+@media print {
+  body { max-width: none; padding: 0; font-size: 11pt; }
+  figure, tr { break-inside: avoid; } h2, h3 { break-after: avoid; }
+  .scroll { overflow: visible; } table { font-size: 8pt; } th, td { padding: .2rem .4rem; }
+  td, td.text:first-child { white-space: normal; }
+  td.text { overflow-wrap: anywhere; min-width: 6em; }
+}
 """
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 import shutil
 import subprocess
 from html.parser import HTMLParser
@@ -20,6 +22,21 @@ OPTIONS = (
     "--virtual-time-budget=10000",  # ms, of the page's own clock: it is done long before
 )
 LONGEST = 120.0  # s
+POLICY = re.compile(r'<meta http-equiv="Content-Security-Policy"[^>]*>')
+
+MEASURE = """
+  const scrolls = (element) => BOXES && element.closest(".scroll") !== null;
+  const wide = [...document.querySelectorAll("body *")].filter((element) =>
+    !scrolls(element) && element.getBoundingClientRect().right > innerWidth + 0.5);
+  const page = document.documentElement.scrollWidth;
+  parent.postMessage([innerWidth, page, wide.map((e) => e.outerHTML.slice(0, 80))], "*");
+"""
+FRAME = """<!doctype html><title>frame</title><script>
+  addEventListener("message", (event) => {
+    document.documentElement.dataset.found = JSON.stringify(event.data);
+  });
+  </script><iframe src="used.html" style="width: %dpx; height: 740px; border: 0"></iframe>
+"""
 
 needs_browser = pytest.mark.skipif(
     PROGRAM is None, reason="no browser to look at the page with: apt-get install chromium"
@@ -57,3 +74,32 @@ def shown(page: Path, profile: Path) -> tuple[Elements, list[str]]:
     """The page after its scripts have run, and the lines of its console."""
     document, console = run(page, profile, "--dump-dom")
     return Elements(document), console
+
+
+def with_script(page: Path, script: str, copy: Path) -> Path:
+    """A copy of the page that runs a script of ours after its own."""
+    text = POLICY.sub("", page.read_text(encoding="utf-8"))
+    block = f"<script>{{{script}}}</script></body>"  # with names of its own
+    copy.write_text(text.replace("</body>", block), encoding="utf-8")
+    return copy
+
+
+def too_wide(page: Path, folder: Path, width: int, printed: bool = False) -> list[str]:
+    """The elements that make a page scroll sideways which is so many pixels wide.
+
+    In a frame: the browser's own window cannot be as narrow as a phone. Where a box of its own
+    scrolls the page does not; on paper nothing scrolls.
+    """
+    copy = with_script(
+        page, MEASURE.replace("BOXES", str(not printed).lower()), folder / "used.html"
+    )
+    if printed:
+        text = copy.read_text(encoding="utf-8")
+        assert "@media print {" in text
+        copy.write_text(text.replace("@media print {", "@media all {"), encoding="utf-8")
+    (folder / "frame.html").write_text(FRAME % width, encoding="utf-8")
+    elements, console = shown(folder / "frame.html", folder / "profile")
+    assert console == []
+    inner, scrolled, wide = json.loads(elements.named("html")[0]["data-found"])
+    assert inner == width
+    return wide or ["the page"] * (scrolled > width)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from browser import Elements, needs_browser, run, shown
+from browser import POLICY, Elements, needs_browser, run, shown, too_wide, with_script
 from diagnoses import creeping, parameters_only
 
 from microgripper_control.core.errors import MicrogripperError
@@ -22,7 +22,7 @@ from microgripper_control.report.wording import MINUS
 
 HOSTILE = "</script><script>document.title='taken'</script><img src=x onerror=alert(1)>&\"'"
 LARGEST = 3e6  # bytes
-POLICY = re.compile(r'<meta http-equiv="Content-Security-Policy"[^>]*>')
+LONG = "/recordings/" + "a_rig_with_a_name_that_no_line_breaks_in_" * 2
 
 
 @pytest.fixture(scope="module")
@@ -30,14 +30,6 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("report") / "report.html"
     write_diagnosis_report(creeping(), path)
     return path
-
-
-def with_script(page: Path, script: str, copy: Path) -> Path:
-    """A copy of the page that runs a script of ours after its own."""
-    text = POLICY.sub("", page.read_text(encoding="utf-8"))
-    block = f"<script>{{{script}}}</script></body>"  # with names of its own
-    copy.write_text(text.replace("</body>", block), encoding="utf-8")
-    return copy
 
 
 def exercised(page: Path, folder: Path, script: str) -> dict[str, str]:
@@ -327,25 +319,22 @@ def test_it_prints(page: Path, tmp_path: Path) -> None:
 
 
 @needs_browser
-def test_nothing_is_wider_than_a_phone(page: Path, tmp_path: Path) -> None:
-    """In a frame of a phone's width: the browser's own window cannot be that narrow."""
-    script = """
-        const scrolls = (element) => element.closest(".scroll") !== null;
-        const wide = [...document.querySelectorAll("main *")].filter((element) =>
-          !scrolls(element) && element.getBoundingClientRect().right > innerWidth);
-        const drawn = document.querySelectorAll("figure[data-drawn=true]").length;
-        parent.postMessage([innerWidth, drawn, wide.map((e) => e.outerHTML.slice(0, 80))], "*");
-        """
-    with_script(page, script, tmp_path / "used.html")
-    (tmp_path / "phone.html").write_text(
-        """<!doctype html><title>phone</title><script>
-        addEventListener("message", (event) => {
-          document.documentElement.dataset.found = JSON.stringify(event.data);
-        });
-        </script><iframe src="used.html" style="width: 360px; height: 740px; border: 0"></iframe>
-        """,
-        encoding="utf-8",
+@pytest.mark.parametrize("width", [360, 500])
+def test_nothing_is_wider_than_a_phone(page: Path, width: int, tmp_path: Path) -> None:
+    assert too_wide(page, tmp_path, width) == []
+
+
+@needs_browser
+@pytest.mark.parametrize("width", [360, 500, 1000])
+def test_long_names_do_not_make_it_wider(width: int, tmp_path: Path) -> None:
+    found = creeping((f"{LONG}_run", f"{LONG}_again"))
+    named = replace(
+        found,
+        sentence=f"{LONG} creeps. Adding creep helps.",
+        warnings=(f"{LONG}: 3 samples were missing",),
+        nominal=replace(found.nominal, name=LONG, description=LONG),
+        model=replace(found.model, name=LONG, description=LONG),
+        candidates=tuple(replace(one, note=LONG) for one in found.candidates),
     )
-    elements, console = shown(tmp_path / "phone.html", tmp_path / "profile")
-    assert console == []
-    assert json.loads(elements.named("html")[0]["data-found"]) == [360, len(FIGURES) + 1, []]
+    write_diagnosis_report(named, tmp_path / "report.html")
+    assert too_wide(tmp_path / "report.html", tmp_path, width) == []

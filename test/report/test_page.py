@@ -5,9 +5,13 @@ from __future__ import annotations
 from html.parser import HTMLParser
 from pathlib import Path
 
+from browser import needs_browser, too_wide
+
+from microgripper_control.paper.headline import CASES, LAWS
 from microgripper_control.report.figures import figure, label
 from microgripper_control.report.page import Page
 
+LONG = "/recordings/" + "a_rig_with_a_name_that_no_line_breaks_in_" * 2
 HOSTILE = '<script>alert("bag")</script>'
 
 
@@ -39,3 +43,22 @@ def test_hostile_text_is_shown_not_run(tmp_path: Path) -> None:
     assert "script" not in tags.seen
     assert {"h1", "h2", "table", "figure"} <= set(tags.seen)
     assert all(source.startswith("data:image/png;base64,") for source in tags.sources)
+
+
+def wide(folder: Path) -> Path:
+    """A page with one of the paper's tables of all laws and cases, and a table of long texts."""
+    page = Page("Wide")
+    page.paragraph(LONG)
+    page.points([LONG])
+    page.note(LONG)
+    page.caption(LONG)
+    page.table(("law", *CASES), [(law, *["12.704 / 16.181"] * len(CASES)) for law in LAWS])
+    page.table(("case", "outcome", "why"), [("case_001", "failed", f"{LONG}: {LONG}")], (0, 1, 2))
+    page.write(folder / "page.html")
+    return folder / "page.html"
+
+
+@needs_browser
+def test_every_column_is_on_the_paper(tmp_path: Path) -> None:
+    """A4 at 96 pixels an inch, within the browser's margins of 1 cm."""
+    assert too_wide(wide(tmp_path), tmp_path, 718, printed=True) == []
