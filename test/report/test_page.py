@@ -5,6 +5,7 @@ from __future__ import annotations
 from html.parser import HTMLParser
 from pathlib import Path
 
+import pytest
 from browser import needs_browser, too_wide
 
 from microgripper_control.paper.headline import CASES, LAWS
@@ -56,6 +57,12 @@ def wide(folder: Path) -> Path:
     page.table(("case", "outcome", "why"), [("case_001", "failed", f"{LONG}: {LONG}")], (0, 1, 2))
     page.write(folder / "page.html")
     return folder / "page.html"
+
+
+@needs_browser
+@pytest.mark.parametrize("width", [360, 500])
+def test_long_names_do_not_make_it_scroll_sideways(width: int, tmp_path: Path) -> None:
+    assert too_wide(wide(tmp_path), tmp_path, width) == []
 
 
 @needs_browser
