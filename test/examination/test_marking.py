@@ -96,6 +96,20 @@ def test_no_answer_is_a_wrong_one() -> None:
 
 
 @pytest.mark.parametrize(
+    ("own", "other", "why"),
+    [
+        (20e-9, 10e-9, "the named effect's candidate comes nearer to the rig's law"),
+        (10e-9, 20e-9, "the cause's own candidate leaves no more"),
+    ],
+)
+def test_why_another_effect_was_named(own: float, other: float, why: str) -> None:
+    answer = diagnosis(("backlash", "creep"))
+    for entry in answer["candidates"]:
+        entry["heldout_rmse_m"] = own if entry["effect"] == "creep" else other
+    assert reason(marked(("creep",), answer)).startswith(why)
+
+
+@pytest.mark.parametrize(
     ("said", "why"),
     [
         ("creep", "something was fitted to chance"),
