@@ -15,8 +15,6 @@ from microgripper_control.core.files import make_folder
 if TYPE_CHECKING:
     from microgripper_control.paper.reproduction import Reproduction
 
-NEAR = 0.02  # relative difference
-
 
 def paper(
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Where the results go.")],
@@ -24,6 +22,7 @@ def paper(
 ) -> None:
     """Recompute the paper's tables and figures beside its own values."""
     # python-control imports matplotlib, which takes a second: not for the other commands.
+    from microgripper_control.paper.agreement import summary
     from microgripper_control.paper.reproduction import STAGES, reproduce
     from microgripper_control.report.paper_chapters import CHAPTERS
     from microgripper_control.report.paper_page import write_report
@@ -36,13 +35,7 @@ def paper(
     if json_:
         typer.echo(json.dumps(_as_json(result) | {"page": str(page)}))
         return
-    rows = result.rows()
-    differences = [row.difference for row in rows if row.difference is not None]
-    near = sum(abs(difference) < NEAR for difference in differences)
-    typer.echo(
-        f"{len(rows)} quantities, {len(differences)} with a printed value, {near} of those within "
-        f"{100.0 * NEAR:g} %; {len(result.slips())} slips"
-    )
+    typer.echo(f"{summary(result.rows())}. {len(result.slips())} slips")
     typer.echo(f"written: {page}")
 
 
@@ -55,7 +48,9 @@ def _as_json(result: Reproduction) -> dict[str, Any]:
             "unit": row.unit,
             "paper": row.paper,
             "here": row.ours,
+            "kind": None if row.paper is None else row.kind.value,
             "relative_difference": row.difference,
+            "bound_kept": row.kept,
             "remark": row.remark,
         }
         for row in result.rows()

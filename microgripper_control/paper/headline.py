@@ -19,7 +19,7 @@ from microgripper_control.control.pid import PidGains
 from microgripper_control.control.tuning import default_gains
 from microgripper_control.core.signals import Array
 from microgripper_control.paper import printed
-from microgripper_control.paper.agreement import Row, Table
+from microgripper_control.paper.agreement import Kind, Row, Table
 from microgripper_control.paper.closed_loop import track
 from microgripper_control.paper.experiment import (
     SAMPLE_PERIOD,
@@ -120,9 +120,8 @@ class HeadlineResult:
 
 
 def _row(law: str, case: str, ours: float, paper: float | None = None, remark: str = "") -> Row:
-    return Row(
-        SECTION, f"largest error, {law}; {case}", "% of p-p", ours, paper, remark, form=".3f"
-    )
+    what = f"largest error, {law}; {case}"
+    return Row(SECTION, what, "% of p-p", ours, paper, remark, ".3f", Kind.BOUND)
 
 
 def _cell(error: Tracking) -> str:

@@ -16,7 +16,7 @@ from microgripper_control.core.signals import Array
 from microgripper_control.effects.mechanics.second_order import static_gain
 from microgripper_control.identification.fit import Fit, fit
 from microgripper_control.identification.nuisance import Conditions
-from microgripper_control.paper.agreement import Row, Table
+from microgripper_control.paper.agreement import Kind, Row, Table
 from microgripper_control.paper.experiment import drive, record, with_paper_sensor
 from microgripper_control.plant.model import Model, Setting
 from microgripper_control.plant.simulate import Initial, simulate
@@ -89,6 +89,7 @@ class IdentificationResult:
                         setting.value,
                         self.true_values()[name],
                         f"95 % interval ±{halves[name]:.2f} %",
+                        kind=Kind.PLANTED,
                     )
                 )
         return rows

@@ -13,7 +13,7 @@ import numpy as np
 
 from microgripper_control.core.signals import Array
 from microgripper_control.identification.stiffness import Stiffness, fit_stiffness
-from microgripper_control.paper.agreement import Row
+from microgripper_control.paper.agreement import Kind, Row
 from microgripper_control.paper.printed import LARGEST_FORCE, STIFFNESS
 
 POINTS = 25
@@ -41,6 +41,7 @@ class StiffnessResult:
                 STIFFNESS,
                 "of a stand-in with that stiffness planted, as the COMSOL model is not available: "
                 f"checks the regression alone; 95 % interval {low:.4g} .. {high:.4g}",
+                kind=Kind.PLANTED,
             )
         ]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from typer.testing import CliRunner
 from microgripper_control.cli.main import app
 from microgripper_control.paper import headline, pid
 from microgripper_control.paper import reproduction as module
-from microgripper_control.paper.agreement import Row
+from microgripper_control.paper.agreement import Kind, Row, summary
 from microgripper_control.paper.identification import GAIN
 from microgripper_control.paper.reproduction import Reproduction
 from microgripper_control.report.paper_chapters import CHAPTERS, chapters
@@ -76,6 +77,35 @@ def test_differences_are_relative_to_the_printed_value() -> None:
     assert Row("1", "x", "V", 1.0 - 1e-9, 1.0).cells[5] == "+0.00 %"
     assert Row("1", "x", "V", 1.0).difference is None
     assert Row("1", "x", "V", 1.0).cells[3] == "-"
+
+
+def bound(ours: float, paper: float | None = 5.0) -> Row:
+    return Row("1", "x", "V", ours, paper, form=".1f", kind=Kind.BOUND)
+
+
+def test_a_bound_is_kept_or_broken_and_has_no_difference() -> None:
+    assert bound(1.0).cells[3:6] == ("<\N{NO-BREAK SPACE}5.0", "1.0", "kept")
+    assert bound(5.0).cells[3:6] == ("<\N{NO-BREAK SPACE}5.0", "5.0", "broken")
+    assert bound(1.0, None).cells[3:6] == ("-", "1.0", "-")
+    assert bound(1.0).difference is None
+
+
+def test_what_was_planted_and_bounds_do_not_count_as_results() -> None:
+    rows = [
+        *(Row("1", "x", "V", ours, 1.0) for ours in (1.0, 0.99, 1.03, 2.0)),
+        *(Row("1", "x", "V", ours, 1.0, kind=Kind.PLANTED) for ours in (1.0, 0.985)),
+        *(bound(ours) for ours in (1.0, 2.0, 6.0)),
+        Row("1", "x", "V", 1.0),
+    ]
+    assert summary(rows) == (
+        "10 quantities. Of 4 printed results 2 are within 2 %, of 3 printed bounds 2 are kept; "
+        "2 values that were planted come back, the farthest 1.5 % off"
+    )
+
+
+def test_planted_are_table_1_and_the_flexure_s_stiffness(reproduction: Reproduction) -> None:
+    kinds = Counter(row.kind for row in reproduction.rows() if row.paper is not None)
+    assert kinds == {Kind.RESULT: 21, Kind.PLANTED: 13, Kind.BOUND: 6}
 
 
 def test_table_1_means_what_is_known_of_it(reproduction: Reproduction) -> None:
@@ -179,6 +209,9 @@ def test_the_report_is_whole(reproduction: Reproduction, report: tuple[Path, str
     content = json.loads(printed)
     assert content["schema"] == "microgripper-paper/1"
     assert len(content["rows"]) == len(reproduction.rows())
+    bounds = [row for row in content["rows"] if row["kind"] == "bound"]
+    assert {row["relative_difference"] for row in bounds} == {None}
+    assert {row["bound_kept"] for row in bounds} == {True, False}
     assert content["page"] == str(folder / "paper.html")
 
 
