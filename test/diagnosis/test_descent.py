@@ -81,6 +81,16 @@ def test_where_nothing_is_finite_it_does_not_go() -> None:
     assert used == 1
 
 
+def test_derivatives_whose_correction_overflows_are_taken_anew(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Nothing of the way is lost, and LAPACK, which would print a line, is not asked."""
+    monkeypatch.setattr(descent, "_corrected", lambda slopes, *given: np.full_like(slopes, np.nan))
+    z, _, _ = descend(rosenbrock, its_slopes, np.array([-1.2, 1.0]), FREE, 1e-12, 100)
+    np.testing.assert_allclose(z, 1.0, rtol=1e-6)
+    assert capfd.readouterr() == ("", "")
+
+
 def test_corrected_derivatives_save_fresh_ones(monkeypatch: pytest.MonkeyPatch) -> None:
     """Two decays and noise: a third fewer, down to the same bottom."""
     t = np.linspace(0.0, 3.0, 400)

@@ -108,13 +108,15 @@ class _Plane:
     def about(
         cls, z: Array, left: Array, slopes: Array, sizes: Array, bounds: tuple[Array, Array]
     ) -> _Plane | None:
-        """None where no parameter is free to go."""
+        """None where no parameter is free to go, or corrected derivatives have overflown."""
         (low, high), uphill = bounds, slopes.T @ left
         free = (sizes > 0.0) & ~(((z <= low) & (uphill > 0.0)) | ((z >= high) & (uphill < 0.0)))
         if not np.any(free):
             return None
         table = np.column_stack([slopes[:, free] / sizes[free], left])
         triangle = np.asarray(np.linalg.qr(table, mode="r"))
+        if not np.all(np.isfinite(triangle)):
+            return None
         count = table.shape[1] - 1
         factor, rotated = triangle[:count, :count], triangle[:count, count]
         return cls(z, free, sizes[free], factor, rotated, bounds)
