@@ -60,8 +60,8 @@ def as_csv(bench: Bench) -> str:
     writer.writerow((*names, "goal", "outcome"))
     for name, measured in bench.rows.items():
         for x in measured.lines:
-            known = "" if x.below else x.figure.median
-            numbers = (known, "" if x.below else x.figure.low, x.figure.high)
+            low, median, high = x.figure
+            numbers = ("", "", high) if x.below else (median, low, high)
             fixed = (name, x.what, x.ours, x.against, x.theirs, *numbers)
             writer.writerow((*fixed, x.unit, bound(x), x.outcome))
     return text.getvalue()

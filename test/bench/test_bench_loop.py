@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from itertools import cycle
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -34,12 +33,7 @@ def measured(
 
     def measure(missed: Callable[[float], float]) -> Measured:
         def run_loop(
-            folder: Path,
-            pair: tuple[str, str],
-            duration: float,
-            rate: float,
-            settings: Mapping[str, Any],
-            soonest: float = 0.0,
+            folder: Path, pair: tuple[str, str], duration: float, rate: float, *given: object
         ) -> Trips:
             return trips(1.25, missed(rate)) if pair == OURS else trips()
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import threading
+from collections.abc import Callable
 
 import pytest
 
@@ -22,12 +23,15 @@ def test_all_threads_go_first_and_no_child(monkeypatch: pytest.MonkeyPatch) -> N
     assert set(asked.values()) == {(os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, 20)}
 
 
-def test_a_refusal_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("ask", [go_first, refusal])
+def test_a_refusal_says_what_to_do(
+    monkeypatch: pytest.MonkeyPatch, ask: Callable[[int], str | None]
+) -> None:
     def refuse(thread: int, policy: int, given: os.sched_param) -> None:
         raise PermissionError(1, "Operation not permitted")
 
     monkeypatch.setattr("os.sched_setscheduler", refuse)
-    assert go_first(20) == "Operation not permitted; see the limit rtprio"
+    assert ask(20) == "Operation not permitted; see the limit rtprio"
 
 
 def test_to_ask_leaves_this_process_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -41,14 +45,6 @@ def test_to_ask_leaves_this_process_as_it_is(monkeypatch: pytest.MonkeyPatch) ->
     ((thread, own),) = asked
     assert thread == 0
     assert own != threading.get_native_id()
-
-
-def test_a_refusal_is_foretold(monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(thread: int, policy: int, given: os.sched_param) -> None:
-        raise PermissionError(1, "Operation not permitted")
-
-    monkeypatch.setattr("os.sched_setscheduler", refuse)
-    assert refusal(20) == "Operation not permitted; see the limit rtprio"
 
 
 def test_elsewhere_there_is_none(monkeypatch: pytest.MonkeyPatch) -> None:

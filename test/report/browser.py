@@ -8,6 +8,7 @@ import shutil
 import subprocess
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
@@ -29,7 +30,8 @@ MEASURE = """
   const wide = [...document.querySelectorAll("body *")].filter((element) =>
     !scrolls(element) && element.getBoundingClientRect().right > innerWidth + 0.5);
   const page = document.documentElement.scrollWidth;
-  parent.postMessage([innerWidth, page, wide.map((e) => e.outerHTML.slice(0, 80))], "*");
+  const drawn = document.querySelectorAll("figure[data-drawn=true]").length;
+  parent.postMessage([innerWidth, page, drawn, wide.map((e) => e.outerHTML.slice(0, 80))], "*");
 """
 FRAME = """<!doctype html><title>frame</title><script>
   addEventListener("message", (event) => {
@@ -84,8 +86,15 @@ def with_script(page: Path, script: str, copy: Path) -> Path:
     return copy
 
 
-def too_wide(page: Path, folder: Path, width: int, printed: bool = False) -> list[str]:
-    """The elements that make a page scroll sideways which is so many pixels wide.
+class Framed(NamedTuple):
+    """What a page does in a frame: elements that make it scroll sideways, and figures drawn."""
+
+    too_wide: list[str]
+    drawn: int
+
+
+def framed(page: Path, folder: Path, width: int, printed: bool = False) -> Framed:
+    """A page in a frame of so many pixels' width.
 
     In a frame: the browser's own window cannot be as narrow as a phone. Where a box of its own
     scrolls the page does not; on paper nothing scrolls.
@@ -100,6 +109,6 @@ def too_wide(page: Path, folder: Path, width: int, printed: bool = False) -> lis
     (folder / "frame.html").write_text(FRAME % width, encoding="utf-8")
     elements, console = shown(folder / "frame.html", folder / "profile")
     assert console == []
-    inner, scrolled, wide = json.loads(elements.named("html")[0]["data-found"])
+    inner, scrolled, drawn, wide = json.loads(elements.named("html")[0]["data-found"])
     assert inner == width
-    return wide or ["the page"] * (scrolled > width)
+    return Framed(wide or ["the page"] * (scrolled > width), drawn)

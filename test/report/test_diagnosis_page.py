@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from browser import POLICY, Elements, needs_browser, run, shown, too_wide, with_script
+from browser import POLICY, Elements, framed, needs_browser, run, shown, with_script
 from diagnoses import creeping, parameters_only
 
 from microgripper_control.core.errors import MicrogripperError
@@ -321,7 +321,7 @@ def test_it_prints(page: Path, tmp_path: Path) -> None:
 @needs_browser
 @pytest.mark.parametrize("width", [360, 500])
 def test_nothing_is_wider_than_a_phone(page: Path, width: int, tmp_path: Path) -> None:
-    assert too_wide(page, tmp_path, width) == []
+    assert framed(page, tmp_path, width) == ([], len(FIGURES) + 1)
 
 
 @needs_browser
@@ -337,4 +337,4 @@ def test_long_names_do_not_make_it_wider(width: int, tmp_path: Path) -> None:
         candidates=tuple(replace(one, note=LONG) for one in found.candidates),
     )
     write_diagnosis_report(named, tmp_path / "report.html")
-    assert too_wide(tmp_path / "report.html", tmp_path, width) == []
+    assert framed(tmp_path / "report.html", tmp_path, width).too_wide == []

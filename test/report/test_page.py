@@ -6,7 +6,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
-from browser import needs_browser, too_wide
+from browser import framed, needs_browser
 
 from microgripper_control.paper.headline import CASES, LAWS
 from microgripper_control.report.figures import figure, label
@@ -62,10 +62,10 @@ def wide(folder: Path) -> Path:
 @needs_browser
 @pytest.mark.parametrize("width", [360, 500])
 def test_long_names_do_not_make_it_scroll_sideways(width: int, tmp_path: Path) -> None:
-    assert too_wide(wide(tmp_path), tmp_path, width) == []
+    assert framed(wide(tmp_path), tmp_path, width).too_wide == []
 
 
 @needs_browser
 def test_every_column_is_on_the_paper(tmp_path: Path) -> None:
     """A4 at 96 pixels an inch, within the browser's margins of 1 cm."""
-    assert too_wide(wide(tmp_path), tmp_path, 718, printed=True) == []
+    assert framed(wide(tmp_path), tmp_path, 718, printed=True).too_wide == []

@@ -50,9 +50,10 @@ def _of_half(grids: Sequence[Grid]) -> Grid:
 
 def _on_levels(displacement: Array) -> Grid:
     """The grid that all readings lie on, or come back to."""
-    values, walk = np.unique(displacement, return_inverse=True)
-    step = step_between(displacement)
-    return Grid(step, _left_by_rounding(values, walk, step)) if step else NO_GRID
+    if not (step := step_between(displacement)):
+        return NO_GRID
+    levels, walk = np.unique(displacement, return_inverse=True)
+    return Grid(step, _left_by_rounding(levels, walk, step))
 
 
 def _left_by_rounding(levels: Array, walk: Indices, step: float) -> float:
