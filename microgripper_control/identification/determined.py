@@ -55,6 +55,10 @@ def free_parameters(model: Model) -> tuple[tuple[Key, ...], tuple[Undetermined, 
 
 def spread(problem: Problem, z: Array) -> Spread:
     """How far the free parameters scatter in z, in the order of `problem.free`."""
+    return problem.spreads.at(z, lambda: _spread(problem, z))
+
+
+def _spread(problem: Problem, z: Array) -> Spread:
     split = Split.by_recording(problem, z, problem.columns(z, range(len(problem.free))))
     own = len(split.sizes) > 0
     offsets = [weights + own for weights in problem.eliminated]

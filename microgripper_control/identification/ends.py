@@ -47,6 +47,8 @@ def _held(
     problem: Problem, z: Array, reasons: dict[Key, str]
 ) -> tuple[Array, Problem, tuple[Undetermined, ...]]:
     """The problem without some of its free parameters, which stay where they are."""
+    if not reasons:
+        return z, problem, ()
     model = problem.model_at(z)
     rest = tuple(key for key in problem.free if key not in reasons)
     smaller = replace(problem, model=model, free=rest)

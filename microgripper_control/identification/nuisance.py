@@ -182,7 +182,8 @@ class Projection:
 
     def __call__(self, signal: Array) -> Array:
         """What is left of a signal of shape (n,), or of several, shape (n, p)."""
-        left: Array = signal - self.basis @ (self.basis.T @ signal)
+        # With a single column, most often the zero's, numpy's `@` takes nine times as long.
+        left: Array = signal - np.dot(self.basis, np.dot(self.basis.T, signal))
         return left
 
 

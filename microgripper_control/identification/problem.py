@@ -18,6 +18,8 @@ from microgripper_control.core.recording import Recording
 from microgripper_control.core.signals import Array
 from microgripper_control.effects.mass_under_forces import rings_on
 from microgripper_control.effects.registry import registry
+from microgripper_control.identification.confidence import Spread
+from microgripper_control.identification.last import Last
 from microgripper_control.identification.nuisance import (
     Conditions,
     Mask,
@@ -144,17 +146,17 @@ class Problem:
 
     def residuals(self, z: Array) -> Array:
         """Measured minus predicted of all recordings, m, shape (samples,)."""
-        kept = self._last
-        if kept and np.array_equal(kept[0], z):
-            return kept[1]
-        residuals = np.concatenate(self.split_residuals(z))
-        kept[:] = z.copy(), residuals
-        return residuals
+        return self._residuals.at(z, lambda: np.concatenate(self.split_residuals(z)))
 
     @cached_property
-    def _last(self) -> list[Array]:
-        """The last point and its residuals: the Jacobian is asked for where they just were."""
-        return []
+    def _residuals(self) -> Last[Array]:
+        """Kept, for the Jacobian is asked for where they just were."""
+        return Last()
+
+    @cached_property
+    def spreads(self) -> Last[Spread]:
+        """Kept for whoever asks how far the parameters scatter: several do, at the same point."""
+        return Last()
 
     def split_residuals(self, z: Array) -> list[Array]:
         """The same, recording by recording."""

@@ -14,6 +14,7 @@ from microgripper_control.identification.problem import Problem
 from microgripper_control.identification.start import GRID_KEYS, better_start
 
 SIMPLEX_EVALUATIONS = 200
+NEAR = 1e-2  # of the start's values: from there the trust region's few steps are the shorter way
 
 
 def simplex(problem: Problem) -> Array:
@@ -40,7 +41,7 @@ def simplex(problem: Problem) -> Array:
         start[:count],
         method="Nelder-Mead",
         bounds=list(zip(low[:count], high[:count], strict=True)),
-        options={"maxfev": SIMPLEX_EVALUATIONS, "xatol": 1e-4, "fatol": np.inf},
+        options={"maxfev": SIMPLEX_EVALUATIONS, "xatol": NEAR, "fatol": np.inf},
     )
     return np.append(best.x, start[count:])
 

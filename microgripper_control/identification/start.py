@@ -8,6 +8,7 @@ linear least squares, finds the basin of the best fit; simplex and trust region 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -17,6 +18,7 @@ from microgripper_control.core.signals import Array
 from microgripper_control.effects.registry import registry
 from microgripper_control.identification.nuisance import (
     Conditions,
+    Mask,
     Projection,
     courses,
     largest_hysteresis,
@@ -45,16 +47,68 @@ def better_start(problem: Problem, initial: Sequence[float]) -> tuple[Model, lis
     best = model, list(initial)
     residuals = problem.residuals(problem.point(model, initial))
     squares = float(residuals @ residuals)
+    places = [_Place.of(problem, index) for index in range(len(problem.recordings))]
     reach = max(float(np.ptp(recording.voltage)) for recording in problem.recordings)
     for above, below in product(DECAYS, DECAYS):
         shape = {BETA: (above + below) / (2.0 * reach), GAMMA: (above - below) / (2.0 * reach)}
-        found = _solve(problem, model.with_values(shape))
+        found = _solve(places, model.with_values(shape))
         if found is not None and found[0] < squares:
             squares, best = found[0], (found[1], found[2])
     return best
 
 
-def _solve(problem: Problem, model: Model) -> tuple[float, Model, list[float]] | None:
+@dataclass(frozen=True)
+class _Place:
+    """A recording, and what beta and gamma do not change of it: looked at once for the grid.
+
+    Signals are without what the recording's courses explain, m, shape (samples that count,).
+    """
+
+    recording: Recording
+    conditions: Conditions
+    mask: Mask
+    without: Projection
+    straight: Array  # the answer without hysteresis
+    linear: Array  # the same without the courses
+    measured: Array  # what was measured, without them
+
+    @classmethod
+    def of(cls, problem: Problem, index: int) -> _Place:
+        """That of one of a problem's recordings."""
+        model, recording, mask = problem.model, problem.recordings[index], problem.masks[index]
+        without = Projection.off(courses(model, recording)[:, mask])
+        linear = model.with_values({ALPHA: 0.0})
+        straight = response(linear, recording, problem.conditions, 0.0)[mask]
+        measured = without(recording.measured[mask])
+        return cls(
+            recording, problem.conditions, mask, without, straight, without(straight), measured
+        )
+
+    def rows(self, model: Model) -> tuple[Array, float] | None:
+        """What d and alpha d do, what was measured, and what the initial h does, shape (4, n).
+
+        The initial h is the one returned, m; where it is known its row is zero. None where h runs
+        away.
+        """
+        hysteretic = model.with_values({ALPHA: PROBE_ALPHA})
+        bent = self._response(hysteretic, 0.0)
+        if not np.all(np.abs(bent) < RUN_AWAY):
+            return None
+        probe, own = 0.0, np.zeros_like(bent)
+        if not self.conditions.knows_initial_hysteresis:
+            probe = PROBE_HYSTERESIS * largest_hysteresis(hysteretic, self.recording)
+            begun = self._response(hysteretic, probe)
+            if not np.all(np.abs(begun) < RUN_AWAY):
+                return None
+            own = self.without(begun - bent)
+        bend = self.without(bent - self.straight)
+        return np.stack([self.linear, bend, self.measured, own]), probe
+
+    def _response(self, model: Model, h: float) -> Array:
+        return response(model, self.recording, self.conditions, h)[self.mask]
+
+
+def _solve(places: Sequence[_Place], model: Model) -> tuple[float, Model, list[float]] | None:
     """Linear least squares for d, alpha d and the initial h at the model's beta and gamma.
 
     A recording's initial h is eliminated from its own normal equations, so that what it costs does
@@ -62,14 +116,11 @@ def _solve(problem: Problem, model: Model) -> tuple[float, Model, list[float]] |
     """
     normal = np.zeros((3, 3))  # of d, alpha d and what is measured
     shares, probes = [], []  # of each recording's initial h in these
-    for index, recording in enumerate(problem.recordings):
-        mask = problem.masks[index]
-        rows, probe = _responses(model, recording, problem.conditions)
-        rows = rows[:, mask]
-        if not np.all(np.abs(rows) < RUN_AWAY):
+    for place in places:
+        found = place.rows(model)
+        if found is None:
             return None
-        without = Projection.off(courses(model, recording)[:, mask])
-        rows = np.array([without(row) for row in rows])
+        rows, probe = found
         own = rows @ rows.T
         share = own[3, :3] / own[3, 3] if own[3, 3] > 0.0 else np.zeros(3)
         normal += own[:3, :3] - np.outer(own[3, :3], share)
@@ -82,20 +133,5 @@ def _solve(problem: Problem, model: Model) -> tuple[float, Model, list[float]] |
         return None
     left = np.append(-weights, 1.0)
     initial = [float(share @ left) * probe for share, probe in zip(shares, probes, strict=True)]
-    found = model.with_values({D: d, ALPHA: float(alpha)})
-    return float(normal[2, 2] - weights @ normal[:2, 2]), found, initial
-
-
-def _responses(model: Model, recording: Recording, conditions: Conditions) -> tuple[Array, float]:
-    """What d and alpha d do, what was measured, and what the initial h does, m, shape (4, n).
-
-    The initial h is the one returned, m; where it is known its row is zero.
-    """
-    linear, hysteretic = model.with_values({ALPHA: 0.0}), model.with_values({ALPHA: PROBE_ALPHA})
-    straight = response(linear, recording, conditions, 0.0)
-    bent = response(hysteretic, recording, conditions, 0.0)
-    probe, own = 0.0, np.zeros(len(recording))
-    if not conditions.knows_initial_hysteresis:
-        probe = PROBE_HYSTERESIS * largest_hysteresis(hysteretic, recording)
-        own = response(hysteretic, recording, conditions, probe) - bent
-    return np.stack([straight, bent - straight, recording.measured, own]), probe
+    solved = model.with_values({D: d, ALPHA: float(alpha)})
+    return float(normal[2, 2] - weights @ normal[:2, 2]), solved, initial
