@@ -16,13 +16,11 @@ from microgripper_control.diagnosis.fits import fitting
 from microgripper_control.diagnosis.fits.fitting import Base, base_of, begun, extend
 from microgripper_control.diagnosis.fits.trial import Trial, unfitted
 from microgripper_control.diagnosis.search import attempt as attempts
-from microgripper_control.diagnosis.search.attempt import (
-    Scrutiny,
-    attempt,
-    best_of_each_kind,
-    promise,
-)
+from microgripper_control.diagnosis.search import from_a_part, from_guesses
+from microgripper_control.diagnosis.search.attempt import attempt, promise
+from microgripper_control.diagnosis.search.from_guesses import best_of_each_kind
 from microgripper_control.diagnosis.search.refit import nominal_trial, refit_trial
+from microgripper_control.diagnosis.search.scrutiny import Scrutiny
 from microgripper_control.effects.base import Scales
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.model import Model, nominal_model
@@ -62,12 +60,12 @@ def test_of_kinds_that_end_close_to_each_other_each_is_fitted_on(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Where there is a race, and where it is neither lost to another effect nor hopeless."""
-    monkeypatch.setattr(attempts, "is_costly", lambda part, model: False)
-    monkeypatch.setattr(attempts, "fit_on", lambda part, trial, tolerance, evaluations: trial)
+    monkeypatch.setattr(from_guesses, "is_costly", lambda part, model: False)
+    monkeypatch.setattr(from_guesses, "while_it_falls", lambda part, trial, steps: trial)
     found = [fit(1.0, behind), fit(0.0, 40e-9), fit(0.0, 45e-9), fit(1.0, 99e-9)]
     nothing: Any = None
     scrutiny = Scrutiny(1000, hopeless=hopeless, known=known)
-    longer = attempts._gone_on_with(nothing, found, EFFECT, scrutiny)
+    longer = from_guesses._gone_on_with(nothing, found, EFFECT, scrutiny)
     assert sorted(trial.fitted_rmse for trial in longer) == fitted_on
 
 
@@ -92,7 +90,7 @@ def test_where_nothing_is_wanting_what_a_part_does_not_show_is_not_fitted_to_all
     def not_asked(*given: object) -> None:
         raise AssertionError("fitted to all samples")
 
-    monkeypatch.setattr(attempts, "_carried", not_asked)
+    monkeypatch.setattr(from_a_part, "_carried", not_asked)
     _, trial, why = attempt(evidence, bases, "contact", Scrutiny(2000, 2, 2.0 * known, known))
     assert trial is None
     assert "takes nothing away" in why
@@ -128,8 +126,8 @@ def test_what_joins_and_is_misled_by_a_part_begins_anew_on_all(
         return extend(evidence, *given)
 
     if went_astray:
-        monkeypatch.setattr(attempts, "_carried", astray)
-    monkeypatch.setattr(attempts, "extend", counted)
+        monkeypatch.setattr(from_a_part, "_carried", astray)
+    monkeypatch.setattr(from_a_part, "extend", counted)
     _, trial, why = attempt(evidence, [base], "contact", Scrutiny(2000, 2, 2.0 * left, left))
     assert trial is not None, why
     assert trial.fitted_rmse < 0.5 * left
@@ -146,7 +144,7 @@ def test_what_a_base_made_of_the_beginning_does_not_stay() -> None:
     evidence, bases = bases_of(rig)
     astray = replace(bases[0].trial, initial_hysteresis=(-5e-7,))
     right = Trial(rig, bases[0].trial.free, (), math.inf)
-    whole = attempts._on_all(evidence, replace(bases[0], trial=astray), [right])
+    whole = from_a_part._on_all(evidence, replace(bases[0], trial=astray), [right])
     assert whole is not None
     assert whole.free == right.free
     assert whole.fitted_rmse == pytest.approx(10e-9, rel=0.05)
@@ -224,8 +222,8 @@ def test_what_follows_where_fitted_and_does_harm_where_judged_begins_from_the_no
     monkeypatch.setattr(
         attempts, "on_a_part", lambda evidence, bases, name, most: (evidence, bases)
     )
-    monkeypatch.setattr(attempts, "_starts", lambda evidence, bases, name, scrutiny: bases)
-    monkeypatch.setattr(attempts, "_from_all", lambda *given: [ends[id(given[1][0])]])
+    monkeypatch.setattr(attempts, "first_guesses", lambda evidence, bases, name, scrutiny: bases)
+    monkeypatch.setattr(attempts, "fits_from", lambda *given: [ends[id(given[1][0])]])
     monkeypatch.setattr(attempts, "judged", lambda evidence, trial: trial)
     found, _ = attempts._attempt(evidence, [base, far], "creep", Scrutiny(15_000))
     assert found is ends[id(far) if anew else id(base)]

@@ -22,7 +22,7 @@ from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.diagnose import candidate_names, diagnose
 from microgripper_control.diagnosis.findings import EFFECTS, NONE, PARAMETERS, UNKNOWN
 from microgripper_control.diagnosis.fits.trial import Trial
-from microgripper_control.diagnosis.search import attempt
+from microgripper_control.diagnosis.search import from_guesses
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model
@@ -299,14 +299,14 @@ def test_what_was_commanded_before_a_recording_began_is_blamed_on_nothing(paper:
 def test_a_candidate_that_fails_stops_no_other_and_is_listed(
     paper: Model, mistuned: Callable[[Model], Model], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    real = attempt.guesses
+    real = from_guesses.guesses
 
     def fails(*given: object, **options: object) -> object:
         if "backlash" in given:
             raise FloatingPointError("overflow in the play")
         return real(*given, **options)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(attempt, "guesses", fails)
+    monkeypatch.setattr(from_guesses, "guesses", fails)
     rig = paper.with_link("transport_delay", delay=0.0024)
     found = diagnose(mistuned(paper), [record(rig, 9.0, 6)], jobs=1)
     assert found.effects == ("transport_delay",)

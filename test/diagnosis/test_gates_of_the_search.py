@@ -14,11 +14,19 @@ from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.fits.fitting import base_of
 from microgripper_control.diagnosis.fits.trial import Trial
 from microgripper_control.diagnosis.search import attempt as attempts
-from microgripper_control.diagnosis.search import exploration, resettling, rounds, stretches
-from microgripper_control.diagnosis.search.attempt import FALLEN_SHORT, Scrutiny
+from microgripper_control.diagnosis.search import (
+    exploration,
+    from_a_part,
+    from_guesses,
+    resettling,
+    rounds,
+    stretches,
+)
+from microgripper_control.diagnosis.search.from_guesses import FALLEN_SHORT
 from microgripper_control.diagnosis.search.pool import Pool
 from microgripper_control.diagnosis.search.refit import nominal_trial, refit_trial
 from microgripper_control.diagnosis.search.screening import Guess
+from microgripper_control.diagnosis.search.scrutiny import Scrutiny
 from microgripper_control.diagnosis.search.stretches import HIDDEN, on_a_part
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.model import Model, nominal_model
@@ -245,10 +253,10 @@ def test_a_start_that_is_far_off_after_a_first_fit_is_left(
 
     guess = Guess(NOTHING, model_with("creep"), left=1.0, least=1.0, strength=1.0, idle=False)
     monkeypatch.setattr(Guess, "promised", 1.0)
-    monkeypatch.setattr(attempts, "is_costly", lambda evidence, model: False)
-    monkeypatch.setattr(attempts, "extend", lambda *given: trial("creep", fitted=left))
-    monkeypatch.setattr(attempts, "fit_on", fit_on)
-    assert attempts._fit_from(NOTHING, guess, "creep", 100e-9) is not None
+    monkeypatch.setattr(from_guesses, "is_costly", lambda evidence, model: False)
+    monkeypatch.setattr(from_guesses, "extend", lambda *given: trial("creep", fitted=left))
+    monkeypatch.setattr(from_guesses, "fit_on", fit_on)
+    assert from_guesses._fit_from(NOTHING, guess, "creep", 100e-9) is not None
     assert bool(fitted) == to_the_end
 
 
@@ -261,11 +269,11 @@ def test_what_promises_much_may_overshoot_at_first(
     def fit_from(part: object, guess: object, name: str, too_far: float) -> None:
         limits.append(too_far)
 
-    monkeypatch.setattr(attempts, "_fit_from", fit_from)
+    monkeypatch.setattr(from_guesses, "_fit_from", fit_from)
     anchor: Any = SimpleNamespace(trial=trial("backlash"), residual=np.full(4, 100e-9))
     guess: Any = SimpleNamespace(hoped=hoped)
     scrutiny = Scrutiny(1000, hopeless=40e-9, known=20e-9)
-    assert attempts._from_all(EVIDENCE, [anchor], [guess], "creep", scrutiny) == []
+    assert from_guesses.fits_from(EVIDENCE, [anchor], [guess], "creep", scrutiny) == []
     assert limits == [limit]
 
 
@@ -278,13 +286,13 @@ def test_a_fit_that_falls_short_of_its_promise_begins_with_the_base_first(
     after = {first: first, 20e-9: 5e-9}
     guess = Guess(NOTHING, model_with("creep"), left=1.0, least=1.0, strength=1.0, idle=False)
     monkeypatch.setattr(Guess, "promised", promised)
-    monkeypatch.setattr(attempts, "is_costly", lambda evidence, model: False)
-    monkeypatch.setattr(attempts, "extend", lambda *given: trial("creep", fitted=first))
-    monkeypatch.setattr(attempts, "half_way", lambda *given: trial("creep", fitted=20e-9))
+    monkeypatch.setattr(from_guesses, "is_costly", lambda evidence, model: False)
+    monkeypatch.setattr(from_guesses, "extend", lambda *given: trial("creep", fitted=first))
+    monkeypatch.setattr(from_guesses, "half_way", lambda *given: trial("creep", fitted=20e-9))
     monkeypatch.setattr(
-        attempts, "fit_on", lambda evidence, one, *given: trial(fitted=after[one.fitted_rmse])
+        from_guesses, "fit_on", lambda evidence, one, *given: trial(fitted=after[one.fitted_rmse])
     )
-    found = attempts._fit_from(NOTHING, guess, "creep", np.inf)
+    found = from_guesses._fit_from(NOTHING, guess, "creep", np.inf)
     assert found is not None
     assert found.fitted_rmse == (5e-9 if short else first)
 
@@ -323,17 +331,17 @@ def test_what_a_part_has_misled_is_fitted_anew_to_more(
         further.append(one.fitted_rmse)
         return trial("friction", fitted=15e-9)
 
-    monkeypatch.setattr(attempts, "_on_all", lambda *given: trial("friction", fitted=left))
-    monkeypatch.setattr(attempts, "fit_on", lambda evidence, one, *given, **more: one)
-    monkeypatch.setattr(attempts, "moved", lambda evidence, one: one)
-    monkeypatch.setattr(attempts, "_while_it_falls", while_it_falls)
+    monkeypatch.setattr(from_a_part, "_on_all", lambda *given: trial("friction", fitted=left))
+    monkeypatch.setattr(from_a_part, "fit_on", lambda evidence, one, *given, **more: one)
+    monkeypatch.setattr(from_a_part, "moved", lambda evidence, one: one)
+    monkeypatch.setattr(from_a_part, "while_it_falls", while_it_falls)
     base: Any = SimpleNamespace(
         trial=trial(*(["creep"] if joins else []), fitted=100e-9), residual=np.full(4, 100e-9)
     )
     evidence: Any = SimpleNamespace(nominal=nominal_model(), pieces=lambda most: evidence)
     found = [trial("friction", fitted=20e-9)]
     scrutiny = Scrutiny(1000, hopeless=90e-9, known=known)
-    whole = attempts._carried(evidence, base, base, found, "friction", scrutiny)
+    whole = from_a_part._carried(evidence, base, base, found, "friction", scrutiny)
     assert whole is not None
     assert bool(further) == anew
     assert whole.fitted_rmse == (15e-9 if anew else left)

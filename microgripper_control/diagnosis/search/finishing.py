@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 from microgripper_control.diagnosis.data.evidence import Evidence
-from microgripper_control.diagnosis.fits.fitting import fit_on, refine
+from microgripper_control.diagnosis.fits.fitting import ROUGH, fit_on, refine
 from microgripper_control.diagnosis.fits.trial import Trial, added, judged_once
 from microgripper_control.diagnosis.search.labour import is_costly
 from microgripper_control.diagnosis.search.stretches import MANY
@@ -22,6 +23,9 @@ class Effort(NamedTuple):
 POLISHED = 1e-5  # tolerance
 TO_THE_END, BRIEFLY = Effort(POLISHED, 15, 0.99), Effort(1e-3, 6, 0.9)
 MOST_ROUNDS = 3
+STEPS = 9  # of a fit from a first guess, at most
+ROUND_STEPS = 6  # of a round of a longer fit, all derivatives fresh
+ROUNDS, FALLING = 5, 0.8  # of a long fit, as long as each leaves less than so much of the last
 
 
 def refined(evidence: Evidence, trial: Trial, tolerance: float, evaluations: int) -> Trial:
@@ -41,3 +45,24 @@ def refined(evidence: Evidence, trial: Trial, tolerance: float, evaluations: int
         if trial.fitted_rmse > effort.worth_another * before:
             break
     return judged_once(evidence, trial)
+
+
+def polish(evidence: Evidence, trial: Trial) -> Trial:
+    """Fit on with fresh derivatives, in rounds as long as each leaves clearly less."""
+    for _ in range(ROUNDS):
+        before = trial.fitted_rmse
+        trial = refined(evidence, trial, ROUGH, STEPS)
+        if not trial.fitted_rmse < FALLING * before:
+            break
+    return trial
+
+
+def while_it_falls(evidence: Evidence, trial: Trial, steps: int) -> Trial:
+    """Fit on in rounds of some steps, as long as each leaves clearly less than the one before."""
+    left = math.inf
+    for _ in range(ROUNDS):
+        trial = fit_on(evidence, trial, ROUGH, steps)
+        if not trial.fitted_rmse < FALLING * left:
+            break
+        left = trial.fitted_rmse
+    return trial

@@ -11,11 +11,12 @@ from dataclasses import replace
 from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.fits.fitting import ROUGH, Base, base_of, refine
 from microgripper_control.diagnosis.fits.trial import Trial, added, unfitted
-from microgripper_control.diagnosis.search.attempt import STEPS, Scrutiny, attempt, polish
-from microgripper_control.diagnosis.search.finishing import POLISHED, refined
+from microgripper_control.diagnosis.search.attempt import attempt
+from microgripper_control.diagnosis.search.finishing import POLISHED, STEPS, polish, refined
 from microgripper_control.diagnosis.search.labour import is_costly
 from microgripper_control.diagnosis.search.pool import Pool, is_read_off
 from microgripper_control.diagnosis.search.schedule import side_by_side
+from microgripper_control.diagnosis.search.scrutiny import Scrutiny
 from microgripper_control.diagnosis.search.stretches import PART
 
 LEADERS = 4  # explanations by one effect that are fitted on,

@@ -16,7 +16,7 @@ from microgripper_control.core.signals import Array
 from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.fits.fitting import ROUGH, Indices, fit_on
 from microgripper_control.diagnosis.fits.trial import Trial, judged, unfitted
-from microgripper_control.diagnosis.search.attempt import STEPS
+from microgripper_control.diagnosis.search.finishing import STEPS
 from microgripper_control.effects.mass_under_forces import natural_frequency, rings_on
 from microgripper_control.identification.determined import DYNAMIC
 from microgripper_control.plant.model import Model

@@ -13,17 +13,12 @@ import numpy as np
 from microgripper_control.diagnosis.data.evidence import Evidence
 from microgripper_control.diagnosis.fits.fitting import Base
 from microgripper_control.diagnosis.fits.trial import Trial, added
-from microgripper_control.diagnosis.search.attempt import (
-    MOST_STARTS,
-    STARTS,
-    Scrutiny,
-    attempt,
-    polish,
-    promise,
-)
+from microgripper_control.diagnosis.search.attempt import attempt, promise
+from microgripper_control.diagnosis.search.finishing import polish
 from microgripper_control.diagnosis.search.labour import is_costly, is_long, is_long_with
 from microgripper_control.diagnosis.search.pool import Pool, strongest
 from microgripper_control.diagnosis.search.schedule import side_by_side
+from microgripper_control.diagnosis.search.scrutiny import MOST_STARTS, STARTS, Scrutiny
 from microgripper_control.diagnosis.search.stretches import GLANCE, PART
 from microgripper_control.effects.base import Scales, Values, never_behind, no_courses
 from microgripper_control.effects.registry import registry
