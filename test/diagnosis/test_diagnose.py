@@ -23,6 +23,7 @@ from microgripper_control.diagnosis.diagnose import candidate_names, diagnose
 from microgripper_control.diagnosis.findings import EFFECTS, NONE, PARAMETERS, UNKNOWN
 from microgripper_control.diagnosis.fits.trial import Trial
 from microgripper_control.diagnosis.search import from_guesses
+from microgripper_control.diagnosis.search.labour import is_force
 from microgripper_control.identification.nuisance import Conditions
 from microgripper_control.plant.hold import Hold
 from microgripper_control.plant.model import Model
@@ -31,6 +32,7 @@ from microgripper_control.plant.simulate import simulate
 from microgripper_control.recordings.csv import write_csv
 
 PERIOD, NOISE = 1e-3, 15e-9
+FORCES = [name for name in candidate_names() if is_force(name)]  # costly: two minutes of a pair's
 MISTUNED = {"d": 1.07, "alpha": 0.92, "beta": 1.1, "gamma": 0.93}
 
 
@@ -216,8 +218,7 @@ def test_a_memory_about_as_stiff_as_the_rig_is_found(
 def test_two_effects_are_both_named(paper: Model, mistuned: Callable[[Model], Model]) -> None:
     rig = paper.with_link("creep", strength=0.015).with_link("backlash", play=3e-7)
     runs = [record(rig, 15.0, 4)], [record(rig, 15.0, 5)]
-    costly = ["friction", "restoring_force_hysteresis"]  # two minutes
-    found = diagnose(mistuned(paper), *runs, without=costly)
+    found = diagnose(mistuned(paper), *runs, without=FORCES)
     assert found.verdict == EFFECTS
     assert set(found.effects) == {"creep", "backlash"}
     assert set(found.shares) == {"creep", "backlash"}
@@ -276,7 +277,8 @@ def test_a_drift_is_not_called_creep_from_before_the_recordings(paper: Model) ->
         drift = 4e-7 * np.random.default_rng(seed).choice([-1.0, 1.0]) * np.exp(-time / 4.0)
         return Recording(run.name, PERIOD, run.voltage, run.measured + drift)
 
-    found = diagnose(paper, [drifting(1), drifting(2)], [drifting(4)], without=["thermal_drift"])
+    without = ["thermal_drift", *FORCES]
+    found = diagnose(paper, [drifting(1), drifting(2)], [drifting(4)], without=without)
     assert "creep" not in found.effects
     (creep,) = (candidate for candidate in found.candidates if candidate.effect == "creep")
     assert "from before the recordings" in creep.note

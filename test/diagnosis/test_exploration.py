@@ -40,8 +40,8 @@ def test_on_settled_evidence_no_effect_is_tried_beside_itself(
         monkeypatch.setattr(module, "attempt", attempt)
     known = nominal_model().with_link("amplifier_lag", lag=2e-3)
     rig = known.with_link("creep").with_link("backlash")
-    voltage = 80.0 - 75.0 * np.cos(2.0 * np.pi * np.arange(6000) / 1000.0)
-    noise = 15e-9 * np.random.default_rng(4).standard_normal(6000)
+    voltage = 80.0 - 75.0 * np.cos(2.0 * np.pi * np.arange(3000) / 1000.0)
+    noise = 15e-9 * np.random.default_rng(4).standard_normal(3000)
     recording = Recording("run", 1e-3, voltage, simulate(rig, voltage, 1e-3) + noise)
     others = [name for name in candidate_names() if name not in ("creep", "transport_delay")]
     diagnose(known, [recording], jobs=1, without=others)
