@@ -12,7 +12,7 @@ from microgripper_control.effects import force_balance, mass_under_forces
 from microgripper_control.effects.base import Force, Link, Load, Stage, Values
 from microgripper_control.effects.mechanics import second_order
 from microgripper_control.effects.registry import registry
-from microgripper_control.plant.model import Model
+from microgripper_control.plant.model import Model, nominal_model
 
 Run = Callable[..., Array]
 
@@ -81,6 +81,26 @@ def test_a_spring_is_more_stiffness(
         found = under(values, [load(law, size, states)], wandering, grid(steps, ramped))
         effect = np.max(np.abs(expected - alone(values, wandering, grid(steps, ramped))))
         assert np.max(np.abs(found - expected)) < 5e-3 * effect
+
+
+@pytest.mark.parametrize("period", [1e-3, 0.5])
+@pytest.mark.parametrize("share", [0.1, 1.0])
+def test_for_a_link_behind_the_ringing_is_drawn_with_few_substeps(
+    wandering: Array, share: float, period: float
+) -> None:
+    """What has died away by the next jump is not followed as if it went on."""
+    values = nominal_model().values("second_order")
+    size = share * values["k"]
+    timing = Timing.divide(period, {0.0}, second_order.settling(values, period), ramped=False)
+    assert len(timing.quiet) > 10
+    w = np.repeat(wandering, len(timing.steps))
+    expected = alone({**values, "k_s": values["k_s"] + size}, w, timing)
+    found = under(values, [load(spring, size)], w, timing)
+    effect = np.max(np.abs(expected - alone(values, w, timing)))
+    assert np.max(np.abs(found - expected)) < 1e-2 * effect
+    loads = [load(spring, size)]
+    prepared = mass_under_forces.prepare(values, timing, np.zeros(LEVELS), loads)
+    assert len(prepared.coefficients) < 4 * len(timing.steps)
 
 
 @pytest.mark.parametrize("ramped", [False, True])
