@@ -16,7 +16,9 @@ omega = sqrt((k + k_s + stiffness of the forces)/m), and dies away at a rate lam
 Measured against tight integration at 200 Hz to 20 kHz, for forces that do up to 0.2 um beside the
 paper's actuator and the maker's figures: 1e-9 m for a smooth voltage, 3e-9 m for jumps by 80 V at
 random. Forces that do more are followed to 1 % of that where they ring, to 2e-3 where a smooth
-voltage's corners are as far apart as the mass takes to come to rest, else to 1e-3.
+voltage's corners are as far apart as the mass takes to come to rest, else to 1e-3. Of forces that
+know only where the mass stands, a lag, a mode or a delay behind it reads the ringing to 1e-9 m rms
+under jumps by up to 150 V, and a play, which keeps its peaks, to 4e-9 m.
 """
 
 from __future__ import annotations
