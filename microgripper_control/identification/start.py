@@ -47,33 +47,33 @@ def better_start(problem: Problem, initial: Sequence[float]) -> tuple[Model, lis
     best = model, list(initial)
     residuals = problem.residuals(problem.point(model, initial))
     squares = float(residuals @ residuals)
-    places = [_Place.of(problem, index) for index in range(len(problem.recordings))]
+    regressions = [_Regression.of(problem, index) for index in range(len(problem.recordings))]
     reach = max(float(np.ptp(recording.voltage)) for recording in problem.recordings)
     for above, below in product(DECAYS, DECAYS):
         shape = {BETA: (above + below) / (2.0 * reach), GAMMA: (above - below) / (2.0 * reach)}
-        found = _solve(places, model.with_values(shape))
+        found = _solve(regressions, model.with_values(shape))
         if found is not None and found[0] < squares:
             squares, best = found[0], (found[1], found[2])
     return best
 
 
 @dataclass(frozen=True)
-class _Place:
-    """A recording, and what beta and gamma do not change of it: looked at once for the grid.
+class _Regression:
+    """That of a recording: what beta and gamma do not change of it is made ready once.
 
-    Signals are without what the recording's courses explain, m, shape (samples that count,).
+    Signals are m, shape (samples that count,).
     """
 
     recording: Recording
     conditions: Conditions
     mask: Mask
     without: Projection
-    straight: Array  # the answer without hysteresis
-    linear: Array  # the same without the courses
-    measured: Array  # what was measured, without them
+    straight: Array  # the answer without hysteresis,
+    linear: Array  # the same without what the courses explain,
+    measured: Array  # and so what was measured
 
     @classmethod
-    def of(cls, problem: Problem, index: int) -> _Place:
+    def of(cls, problem: Problem, index: int) -> _Regression:
         """That of one of a problem's recordings."""
         model, recording, mask = problem.model, problem.recordings[index], problem.masks[index]
         without = Projection.off(courses(model, recording)[:, mask])
@@ -108,7 +108,9 @@ class _Place:
         return response(model, self.recording, self.conditions, h)[self.mask]
 
 
-def _solve(places: Sequence[_Place], model: Model) -> tuple[float, Model, list[float]] | None:
+def _solve(
+    regressions: Sequence[_Regression], model: Model
+) -> tuple[float, Model, list[float]] | None:
     """Linear least squares for d, alpha d and the initial h at the model's beta and gamma.
 
     A recording's initial h is eliminated from its own normal equations, so that what it costs does
@@ -116,8 +118,8 @@ def _solve(places: Sequence[_Place], model: Model) -> tuple[float, Model, list[f
     """
     normal = np.zeros((3, 3))  # of d, alpha d and what is measured
     shares, probes = [], []  # of each recording's initial h in these
-    for place in places:
-        found = place.rows(model)
+    for regression in regressions:
+        found = regression.rows(model)
         if found is None:
             return None
         rows, probe = found
