@@ -6,10 +6,11 @@ slow part over the whole spectrum.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 from scipy.signal import detrend
 from scipy.signal.windows import hann
@@ -20,6 +21,7 @@ from microgripper_control.diagnosis.data.residuals import Residual
 
 SHORTEST = 64  # samples of a stretch that is looked at
 NEARLY_ALL = 0.9  # of the samples: so many lie in stretches of a common length or longer
+AT_ONCE = 16_384  # samples that are transformed together
 PADDING = 4  # times its length that a stretch is transformed with: finer steps along frequency
 
 
@@ -59,28 +61,26 @@ def spectrum_of(residuals: Sequence[Residual], length: int | None = None) -> Spe
     Stretches are cut to `length` samples, at most what nearly all of them have; it is the default.
     """
     period = residuals[0].period
-    runs = [(residual, run) for residual in residuals for run in residual.runs(SHORTEST)]
-    if not runs:
-        return None
     common = common_stretch(residuals)
+    if not common:
+        return None
     size = common if length is None else min(length, common)
     window = hann(size, sym=False)
     scale = 2.0 * period / float(window @ window)
     padded = 1 << (PADDING * size - 1).bit_length()
     error, motion, voltage = np.zeros((3, padded // 2 + 1))
     cross, count = np.zeros(padded // 2 + 1, dtype=complex), 0
+    runs = [(residual, run) for residual in residuals for run in residual.runs(max(size, SHORTEST))]
     for residual, run in runs:
-        predicted = residual.predicted
-        for start in range(run.start, run.stop - size + 1, max(1, size // 2)):
-            piece = slice(start, start + size)
-            e = np.fft.rfft(window * detrend(residual.error[piece]), padded)
-            u = np.fft.rfft(window * detrend(residual.recording.voltage[piece]), padded)
-            x = np.fft.rfft(window * detrend(predicted[piece]), padded)
-            error += np.abs(e) ** 2
-            motion += np.abs(x) ** 2
-            voltage += np.abs(u) ** 2
-            cross += np.conj(x) * e
-            count += 1
+        signals = residual.error, residual.predicted, residual.recording.voltage
+        pieces = [sliding_window_view(one[run], size)[:: max(1, size // 2)] for one in signals]
+        for some in _some_at_once(len(pieces[0]), size):
+            e, x, u = (np.fft.rfft(window * detrend(one[some]), padded) for one in pieces)
+            error += np.sum(np.abs(e) ** 2, axis=0)
+            motion += np.sum(np.abs(x) ** 2, axis=0)
+            voltage += np.sum(np.abs(u) ** 2, axis=0)
+            cross += np.sum(np.conj(x) * e, axis=0)
+            count += len(e)
     factor = scale / count
     return Spectrum(
         frequency=np.asarray(np.fft.rfftfreq(padded, period), dtype=np.float64),
@@ -92,6 +92,13 @@ def spectrum_of(residuals: Sequence[Residual], length: int | None = None) -> Spe
         resolution=2.0 / (size * period),
         period=period,
     )
+
+
+def _some_at_once(count: int, size: int) -> Iterator[slice]:
+    """Slices of `count` pieces of `size` samples: not one by one, not all in memory at once."""
+    some = max(1, AT_ONCE // size)
+    for first in range(0, count, some):
+        yield slice(first, first + some)
 
 
 def same_clock(residuals: Sequence[Residual]) -> list[list[Residual]]:
