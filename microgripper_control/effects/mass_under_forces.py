@@ -202,10 +202,11 @@ class _Ringing:
                 yield self._evenly(step, step, 1, AT_REST_SMOOTHLY)
             return
         for steps in _from_jump_to_jump(timing):
-            if self.by_path and self.half < self.own:
-                yield from _cut(self._by_turns(sum(steps)), steps)
-            elif self.by_path:
-                yield from _cut(self._evenly(sum(steps), sum(steps), 2, AT_REST), steps)
+            whole = sum(steps)
+            if self.by_path:
+                turns = self.half < self.own
+                spans = self._by_turns(whole) if turns else self._evenly(whole, whole, 2, AT_REST)
+                yield from _cut(spans, steps)
             else:
                 for first, step in enumerate(steps):
                     yield self._evenly(step, sum(steps[first:]), 2, AT_REST)

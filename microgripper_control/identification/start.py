@@ -68,8 +68,7 @@ class _Regression:
     conditions: Conditions
     mask: Mask
     without: Projection
-    straight: Array  # the answer without hysteresis,
-    linear: Array  # the same without what the courses explain,
+    linear: Array  # the answer without hysteresis, without what the courses explain,
     measured: Array  # and so what was measured
 
     @classmethod
@@ -77,12 +76,10 @@ class _Regression:
         """That of one of a problem's recordings."""
         model, recording, mask = problem.model, problem.recordings[index], problem.masks[index]
         without = Projection.off(courses(model, recording)[:, mask])
-        linear = model.with_values({ALPHA: 0.0})
-        straight = response(linear, recording, problem.conditions, 0.0)[mask]
+        straight = model.with_values({ALPHA: 0.0})
+        linear = without(response(straight, recording, problem.conditions, 0.0)[mask])
         measured = without(recording.measured[mask])
-        return cls(
-            recording, problem.conditions, mask, without, straight, without(straight), measured
-        )
+        return cls(recording, problem.conditions, mask, without, linear, measured)
 
     def rows(self, model: Model) -> tuple[Array, float] | None:
         """What d and alpha d do, what was measured, and what the initial h does, shape (4, n).
@@ -92,16 +89,13 @@ class _Regression:
         """
         hysteretic = model.with_values({ALPHA: PROBE_ALPHA})
         bent = self._response(hysteretic, 0.0)
-        if not np.all(np.abs(bent) < RUN_AWAY):
-            return None
-        probe, own = 0.0, np.zeros_like(bent)
+        probe, begun = 0.0, bent
         if not self.conditions.knows_initial_hysteresis:
             probe = PROBE_HYSTERESIS * largest_hysteresis(hysteretic, self.recording)
             begun = self._response(hysteretic, probe)
-            if not np.all(np.abs(begun) < RUN_AWAY):
-                return None
-            own = self.without(begun - bent)
-        bend = self.without(bent - self.straight)
+        if not all(np.all(np.abs(one) < RUN_AWAY) for one in (bent, begun)):
+            return None
+        bend, own = self.without(bent) - self.linear, self.without(begun - bent)
         return np.stack([self.linear, bend, self.measured, own]), probe
 
     def _response(self, model: Model, h: float) -> Array:

@@ -16,7 +16,7 @@ from microgripper_control.diagnosis.fits import fitting
 from microgripper_control.diagnosis.fits.fitting import Base, base_of, begun, extend
 from microgripper_control.diagnosis.fits.trial import Trial, unfitted
 from microgripper_control.diagnosis.search import attempt as attempts
-from microgripper_control.diagnosis.search import from_a_part, from_guesses
+from microgripper_control.diagnosis.search import finishing, from_a_part, from_guesses
 from microgripper_control.diagnosis.search.attempt import attempt, promise
 from microgripper_control.diagnosis.search.from_guesses import best_of_each_kind
 from microgripper_control.diagnosis.search.refit import nominal_trial, refit_trial
@@ -61,7 +61,8 @@ def test_of_kinds_that_end_close_to_each_other_each_is_fitted_on(
 ) -> None:
     """Where there is a race, and where it is neither lost to another effect nor hopeless."""
     monkeypatch.setattr(from_guesses, "is_costly", lambda part, model: False)
-    monkeypatch.setattr(from_guesses, "while_it_falls", lambda part, trial, steps: trial)
+    for module in (from_guesses, finishing):
+        monkeypatch.setattr(module, "fit_on", lambda part, trial, tolerance, evaluations: trial)
     found = [fit(1.0, behind), fit(0.0, 40e-9), fit(0.0, 45e-9), fit(1.0, 99e-9)]
     nothing: Any = None
     scrutiny = Scrutiny(1000, hopeless=hopeless, known=known)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 from microgripper_control.diagnosis.data.evidence import Evidence
@@ -48,20 +49,21 @@ def refined(evidence: Evidence, trial: Trial, tolerance: float, evaluations: int
 
 
 def polish(evidence: Evidence, trial: Trial) -> Trial:
-    """Fit on with fresh derivatives, in rounds as long as each leaves clearly less."""
-    for _ in range(ROUNDS):
-        before = trial.fitted_rmse
-        trial = refined(evidence, trial, ROUGH, STEPS)
-        if not trial.fitted_rmse < FALLING * before:
-            break
-    return trial
+    """Fit on with fresh derivatives and judge, in rounds as long as each leaves clearly less."""
+    return _in_rounds(
+        lambda one: refined(evidence, one, ROUGH, STEPS), trial, left=trial.fitted_rmse
+    )
 
 
 def while_it_falls(evidence: Evidence, trial: Trial, steps: int) -> Trial:
     """Fit on in rounds of some steps, as long as each leaves clearly less than the one before."""
-    left = math.inf
+    return _in_rounds(lambda one: fit_on(evidence, one, ROUGH, steps), trial, left=math.inf)
+
+
+def _in_rounds(go_on: Callable[[Trial], Trial], trial: Trial, left: float) -> Trial:
+    """Go on with a trial; `left`, m, is what the round before is said to have left."""
     for _ in range(ROUNDS):
-        trial = fit_on(evidence, trial, ROUGH, steps)
+        trial = go_on(trial)
         if not trial.fitted_rmse < FALLING * left:
             break
         left = trial.fitted_rmse

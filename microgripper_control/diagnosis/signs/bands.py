@@ -58,8 +58,8 @@ def bands(residuals: Sequence[Residual], noise: float) -> list[Band]:
     found: list[Band] = []
     for group in same_clock(residuals):
         own = max(gap_power(group, noise), 0.0)
-        peaks = _peaks(group, noise, own)
         spectrum = spectrum_of(group)
+        peaks = _peaks(group, spectrum, noise, own)
         if not peaks and spectrum is not None and own > REAL * noise**2:
             peaks = _broad(spectrum, noise, own)
         share = min(1.0, max(0.0, gap_energy(group, noise)) / energy) if energy > 0.0 else 1.0
@@ -70,9 +70,10 @@ def bands(residuals: Sequence[Residual], noise: float) -> list[Band]:
     return found
 
 
-def _peaks(group: Sequence[Residual], noise: float, total: float) -> list[Band]:
-    """Lines, looked for as finely as the stretches allow, and resonances."""
-    spectrum = spectrum_of(group)
+def _peaks(
+    group: Sequence[Residual], spectrum: Spectrum | None, noise: float, total: float
+) -> list[Band]:
+    """Lines, looked for in the spectrum that is as fine as the stretches allow, and resonances."""
     lines = [] if spectrum is None else [p for p in find_peaks(spectrum, noise) if p.line]
     peaks = [*lines, *(p for p in resonances(group, noise) if all(p.apart(one) for one in lines))]
     worth = WORTH * max(total, LINE * noise**2)
